@@ -9,8 +9,11 @@ use willis_core::network::ShortestPaths;
 use willis_core::support::{Point, centroid, distance, grouped};
 use willis_io::masks::Mask;
 
-/// Which stations the mask shows.
-pub(super) struct ShownStations<'a> {
+/// A station: the row of its vessel, and its number along it.
+type Station = (usize, usize);
+
+/// The stations of vessels, and which of them the mask shows.
+pub(super) struct Stations<'a> {
     tubes: &'a [DrawnTube],
     grid: &'a VoxelGrid,
     mask: &'a Mask,
@@ -19,25 +22,42 @@ pub(super) struct ShownStations<'a> {
     seen: Vec<Vec<bool>>,
     /// For each node the vessels that end there, with the end.
     at_node: Vec<Vec<(usize, usize)>>,
+    /// The number of the first station of each vessel, where all are numbered through.
+    first: Vec<usize>,
 }
 
-impl<'a> ShownStations<'a> {
+impl<'a> Stations<'a> {
     pub fn new(tubes: &'a [DrawnTube], nodes: usize, grid: &'a VoxelGrid, mask: &'a Mask) -> Self {
         let known = tubes.iter().enumerate().filter_map(|(row, tube)| Some((row, tube.nodes?)));
         let at_node = grouped(nodes, known.flat_map(|(row, ends)| [(ends[0], (row, 0)), (ends[1], (row, 1))]));
         let is_shown = |tube: &DrawnTube| tube.stations.iter().map(|at| mask.classes[grid.row(*at)] > 0).collect();
         let seen = tubes.iter().map(is_shown).collect();
-        Self { tubes, grid, mask, arcs: tubes.iter().map(DrawnTube::arc).collect(), seen, at_node }
+        let first = tubes.iter().scan(0, |next, tube| {
+            *next += tube.stations.len();
+            Some(*next - tube.stations.len())
+        });
+        let (first, arcs) = (first.collect(), tubes.iter().map(DrawnTube::arc).collect());
+        Self { tubes, grid, mask, arcs, seen, at_node, first }
+    }
+
+    fn place(&self, (row, station): Station) -> Point {
+        self.tubes[row].stations[station]
+    }
+
+    fn radius(&self, (row, station): Station) -> f64 {
+        self.tubes[row].radii[station]
+    }
+
+    /// The last station of a vessel towards an end.
+    fn at_end(&self, row: usize, end: usize) -> Station {
+        (row, [0, self.arcs[row].len() - 1][end])
     }
 
     /// How far from an end a vessel runs in the lumen of the others there, mm.
     fn within_others(&self, row: usize, end: usize) -> f64 {
         let Some(nodes) = self.tubes[row].nodes else { return 0.0 };
         let others = self.at_node[nodes[end]].iter().filter(|other| **other != (row, end));
-        let radius = |(row, end): &(usize, usize)| {
-            let radii = &self.tubes[*row].radii;
-            radii[[0, radii.len() - 1][*end]]
-        };
+        let radius = |(row, end): &(usize, usize)| self.radius(self.at_end(*row, *end));
         others.map(radius).fold(0.0, f64::max) + if self.at_node[nodes[end]].len() > 1 { self.grid.spacing } else { 0.0 }
     }
 
@@ -78,7 +98,7 @@ impl<'a> ShownStations<'a> {
 
     /// Where the mask does not show a junction at all, every vessel there but the widest is to be joined to the widest.
     fn breaks_at_missing_node(&self, at: &[(usize, usize)], found: &mut Vec<MaskBreak>) {
-        let end_of = |(row, end): (usize, usize)| [0, self.arcs[row].len() - 1][end];
+        let end_of = |(row, end): (usize, usize)| self.at_end(row, end).1;
         if at.iter().any(|vessel| self.seen[vessel.0][end_of(*vessel)]) {
             return;
         }
@@ -116,18 +136,16 @@ impl<'a> ShownStations<'a> {
     }
 
     /// Whether voxels of the mask near some stretches join two stations.
-    fn are_joined(&self, ends: [(usize, usize); 2], stretches: &[(usize, [usize; 2])]) -> bool {
+    fn are_joined(&self, ends: [Station; 2], stretches: &[(usize, [usize; 2])]) -> bool {
         let places: Vec<(Point, f64)> = stretches
             .iter()
-            .flat_map(|(row, [a, b])| {
-                (*a.min(b)..=*a.max(b)).map(|at| (self.tubes[*row].stations[at], self.tubes[*row].radii[at]))
-            })
+            .flat_map(|(row, [a, b])| (*a.min(b)..=*a.max(b)).map(|at| (self.place((*row, at)), self.radius((*row, at)))))
             .collect();
         let is_near = |row: usize| {
             let at = self.grid.position(self.grid.voxel(row));
             places.iter().any(|(place, radius)| distance(at, *place) <= radius + 2.0 * self.grid.spacing)
         };
-        let [start, goal] = ends.map(|(row, station)| self.grid.row(self.tubes[row].stations[station]));
+        let [start, goal] = ends.map(|station| self.grid.row(self.place(station)));
         let (mut reached, mut open) = (BTreeSet::from([start]), vec![start]);
         while let Some(at) = open.pop() {
             if at == goal {
@@ -138,6 +156,100 @@ impl<'a> ShownStations<'a> {
         }
         false
     }
+
+    /// The number of a station, where all are numbered through.
+    fn number(&self, (row, station): Station) -> usize {
+        self.first[row] + station
+    }
+
+    /// The stations next to one along the vessels, with their distance, by their numbers.
+    fn next_to(&self, number: usize) -> Vec<(usize, usize, f64)> {
+        let row = self.first.partition_point(|first| *first <= number) - 1;
+        let here = (row, number - self.first[row]);
+        let mut found = Vec::new();
+        let mut add = |to: Station| found.push((0, self.number(to), distance(self.place(here), self.place(to))));
+        if here != self.at_end(row, 0) {
+            add((row, here.1 - 1));
+        }
+        if here != self.at_end(row, 1) {
+            add((row, here.1 + 1));
+        }
+        for end in (0..2).filter(|end| here == self.at_end(row, *end)) {
+            let node = self.tubes[row].nodes.map(|nodes| nodes[end]);
+            let others = node.iter().flat_map(|node| &self.at_node[*node]).filter(|other| **other != (row, end));
+            others.for_each(|(row, end)| add(self.at_end(*row, *end)));
+        }
+        found
+    }
+
+    /// The station of the vessel in whose lumen each voxel of the mask lies deepest, by the rows of these voxels; none far from all.
+    fn owners(&self, rows: &[usize]) -> Vec<Option<Station>> {
+        let mut owners = vec![None; rows.len()];
+        let mut depths = vec![f64::INFINITY; rows.len()];
+        for (tube_row, tube) in self.tubes.iter().enumerate() {
+            self.grid.near(tube, AROUND * self.grid.spacing, [0, self.grid.shape[2]], |near| {
+                let depth = near.away - near.radius;
+                if self.mask.classes[near.row] > 0
+                    && let Ok(at) = rows.binary_search(&near.row)
+                    && depth < depths[at]
+                {
+                    (owners[at], depths[at]) = (Some((tube_row, near.station)), depth);
+                }
+            });
+        }
+        owners
+    }
+
+    /// The pairs of voxels that touch and belong to vessels that are apart.
+    fn touches(&self) -> Vec<Touch> {
+        let classes = &self.mask.classes;
+        let rows: Vec<usize> = (0..classes.len()).filter(|row| classes[*row] > 0).collect();
+        let owners = self.owners(&rows);
+        let mut pairs = Vec::new();
+        for (row, a) in rows.iter().zip(&owners).filter_map(|(row, owner)| Some((*row, (*owner)?))) {
+            let later = self.grid.neighbours(row).filter(|to| *to > row);
+            for (to, b) in later.filter_map(|to| Some((to, owners[rows.binary_search(&to).ok()?]?))) {
+                if a.0 != b.0 {
+                    pairs.push(([a.min(b), a.max(b)], [row, to]));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        let widest = self.tubes.iter().map(DrawnTube::widest).fold(0.0, f64::max);
+        let mut ways = ShortestPaths::new(self.arcs.iter().map(Vec::len).sum());
+        let mut searched = None;
+        let mut found = Vec::new();
+        for ([a, b], voxels) in pairs {
+            let apart = |radii: f64| APART[0] * radii + APART[1] * self.grid.spacing;
+            if searched.replace(a) != Some(a) {
+                ways.search(&[self.number(a)], apart(self.radius(a) + widest), |at| self.next_to(at), |_, _| true);
+            }
+            if ways.lengths()[self.number(b)] > apart(self.radius(a) + self.radius(b)) {
+                let [p, q] = voxels.map(|row| self.grid.position(self.grid.voxel(row)));
+                let place = [0, 1, 2].map(|axis| f64::midpoint(p[axis], q[axis]));
+                found.push(Touch { vessels: [a.0, b.0], stations: [a, b], place });
+            }
+        }
+        found
+    }
+
+    /// Where voxels touch that belong to vessels which are apart. A voxel belongs to the vessel in whose lumen it lies deepest; what two
+    /// vessels have in common along one stretch is one contact.
+    pub fn contacts(&self) -> Vec<Contact> {
+        let mut touches = self.touches();
+        touches.sort_by_key(|touch| (touch.vessels, touch.stations));
+        let is_one = |a: &Touch, b: &Touch| {
+            let between = distance(self.place(a.stations[0]), self.place(b.stations[0]));
+            let both = self.radius(b.stations[0]) + self.radius(b.stations[1]);
+            a.vessels == b.vessels && between <= both + APART[1] * self.grid.spacing
+        };
+        let contact = |touches: &[Touch]| {
+            let vessels = touches[0].vessels;
+            let position_mm = centroid(touches.iter().map(|touch| touch.place));
+            Contact { vessels, labels: vessels.map(|row| self.tubes[row].label.clone()), position_mm }
+        };
+        touches.chunk_by(is_one).map(contact).collect()
+    }
 }
 
 /// Vessels are apart where the way along them is longer than so many sums of their radii, and so many voxels more.
@@ -145,138 +257,12 @@ const APART: [f64; 2] = [3.0, 3.0];
 /// How far beyond its radius a voxel of the mask still belongs to a vessel, in voxels.
 const AROUND: f64 = 3.0;
 
-/// The stations of all vessels, numbered through.
-struct Stations<'a> {
-    tubes: &'a [DrawnTube],
-    /// The number of the first station of each vessel.
-    first: Vec<usize>,
-    /// The vessel of each station.
-    tube: Vec<usize>,
-    /// For each node the stations that lie there.
-    at_node: Vec<Vec<usize>>,
-}
-
 /// Two voxels that touch, of vessels that are apart.
 struct Touch {
     /// The vessels, the lower row first.
-    tubes: [usize; 2],
+    vessels: [usize; 2],
     /// The stations that the voxels lie nearest to.
-    stations: [usize; 2],
+    stations: [Station; 2],
     /// Between the voxels, mm.
     place: Point,
-}
-
-impl<'a> Stations<'a> {
-    fn new(tubes: &'a [DrawnTube]) -> Self {
-        let nodes = tubes.iter().filter_map(|tube| tube.nodes).flatten().max().map_or(0, |last| last + 1);
-        let mut all = Self { tubes, first: Vec::new(), tube: Vec::new(), at_node: vec![Vec::new(); nodes] };
-        for (row, tube) in tubes.iter().enumerate() {
-            let first = all.tube.len();
-            all.first.push(first);
-            all.tube.resize(first + tube.stations.len(), row);
-            for (end, node) in tube.nodes.iter().flatten().enumerate() {
-                all.at_node[*node].push([first, all.tube.len() - 1][end]);
-            }
-        }
-        all
-    }
-
-    fn place(&self, station: usize) -> Point {
-        let tube = self.tube[station];
-        self.tubes[tube].stations[station - self.first[tube]]
-    }
-
-    fn radius(&self, station: usize) -> f64 {
-        let tube = self.tube[station];
-        self.tubes[tube].radii[station - self.first[tube]]
-    }
-
-    /// The stations next to one along the vessels, with their distance.
-    fn next_to(&self, station: usize) -> Vec<(usize, usize, f64)> {
-        let tube = &self.tubes[self.tube[station]];
-        let first = self.first[self.tube[station]];
-        let last = first + tube.stations.len() - 1;
-        let mut found = Vec::new();
-        let mut add = |to: usize| found.push((0, to, distance(self.place(station), self.place(to))));
-        if station > first {
-            add(station - 1);
-        }
-        if station < last {
-            add(station + 1);
-        }
-        for (end, at) in [first, last].into_iter().enumerate().filter(|(_, at)| *at == station) {
-            let node = tube.nodes.map(|nodes| nodes[end]);
-            node.iter().flat_map(|node| &self.at_node[*node]).filter(|to| **to != at).for_each(|to| add(*to));
-        }
-        found
-    }
-
-    /// The station of the vessel in whose lumen each voxel of the mask lies deepest, by the rows of these voxels; none far from all.
-    fn owners(&self, grid: &VoxelGrid, mask: &Mask, rows: &[usize]) -> Vec<Option<usize>> {
-        let mut owners = vec![None; rows.len()];
-        let mut depths = vec![f64::INFINITY; rows.len()];
-        for (tube, first) in self.tubes.iter().zip(&self.first) {
-            grid.near(tube, AROUND * grid.spacing, [0, grid.shape[2]], |near| {
-                let depth = near.away - near.radius;
-                if mask.classes[near.row] > 0
-                    && let Ok(at) = rows.binary_search(&near.row)
-                    && depth < depths[at]
-                {
-                    (owners[at], depths[at]) = (Some(first + near.station), depth);
-                }
-            });
-        }
-        owners
-    }
-
-    /// The pairs of voxels that touch and belong to vessels that are apart, in order of vessels and stations.
-    fn touches(&self, grid: &VoxelGrid, mask: &Mask) -> Vec<Touch> {
-        let rows: Vec<usize> = (0..mask.classes.len()).filter(|row| mask.classes[*row] > 0).collect();
-        let owners = self.owners(grid, mask, &rows);
-        let mut pairs = Vec::new();
-        for (row, a) in rows.iter().zip(&owners).filter_map(|(row, owner)| Some((*row, (*owner)?))) {
-            let later = grid.neighbours(row).filter(|to| *to > row);
-            for (to, b) in later.filter_map(|to| Some((to, owners[rows.binary_search(&to).ok()?]?))) {
-                if self.tube[a] != self.tube[b] {
-                    pairs.push(([a.min(b), a.max(b)], [row, to]));
-                }
-            }
-        }
-        pairs.sort_unstable();
-        let widest = self.tubes.iter().map(DrawnTube::widest).fold(0.0, f64::max);
-        let mut ways = ShortestPaths::new(self.tube.len());
-        let mut searched = None;
-        let mut found = Vec::new();
-        for ([a, b], voxels) in pairs {
-            let apart = |radii: f64| APART[0] * radii + APART[1] * grid.spacing;
-            if searched.replace(a) != Some(a) {
-                ways.search(&[a], apart(self.radius(a) + widest), |at| self.next_to(at), |_, _| true);
-            }
-            if ways.lengths()[b] > apart(self.radius(a) + self.radius(b)) {
-                let [p, q] = voxels.map(|row| grid.position(grid.voxel(row)));
-                let place = [0, 1, 2].map(|axis| f64::midpoint(p[axis], q[axis]));
-                found.push(Touch { tubes: [a, b].map(|station| self.tube[station]), stations: [a, b], place });
-            }
-        }
-        found
-    }
-}
-
-/// Where voxels touch that belong to vessels which are apart. A voxel belongs to the vessel in whose lumen it lies deepest; what two
-/// vessels have in common along one stretch is one contact.
-pub(super) fn contacts(tubes: &[DrawnTube], grid: &VoxelGrid, mask: &Mask) -> Vec<Contact> {
-    let stations = Stations::new(tubes);
-    let mut touches = stations.touches(grid, mask);
-    touches.sort_by_key(|touch| (touch.tubes, touch.stations));
-    let is_one = |a: &Touch, b: &Touch| {
-        let between = distance(stations.place(a.stations[0]), stations.place(b.stations[0]));
-        let both = stations.radius(b.stations[0]) + stations.radius(b.stations[1]);
-        a.tubes == b.tubes && between <= both + APART[1] * grid.spacing
-    };
-    let contact = |touches: &[Touch]| {
-        let vessels = touches[0].tubes;
-        let position_mm = centroid(touches.iter().map(|touch| touch.place));
-        Contact { vessels, labels: vessels.map(|row| tubes[row].label.clone()), position_mm }
-    };
-    touches.chunk_by(is_one).map(contact).collect()
 }

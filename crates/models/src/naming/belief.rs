@@ -136,7 +136,31 @@ struct Upward {
     below: Vec<f64>,
     /// Per node the message to its parent.
     up: Vec<Option<Vec<f64>>>,
+    /// Per node what its children say, where it is a bifurcation.
+    bifurcations: Vec<Option<ArmsAndMiddle>>,
     /// The sum of the logarithms of all that was divided by.
+    log: f64,
+}
+
+/// What is known of a bifurcation.
+#[derive(Clone)]
+struct ArmsAndMiddle {
+    /// What comes along its arms: from the children, then from the parent.
+    arms: Vec<ArmMessage>,
+    /// Per kind its probability and that of the middle.
+    middle: Vec<f64>,
+    /// How probable it is that the arms meet at all: bridges may not exist.
+    joined: f64,
+}
+
+/// What comes along an arm to a bifurcation.
+#[derive(Clone)]
+struct ArmMessage {
+    /// Per kind of bifurcation and arm of it the probability of the message: kinds x 3.
+    of_kinds: Vec<f64>,
+    /// The message over the link.
+    over: Vec<f64>,
+    /// The logarithm of what the message was divided by.
     log: f64,
 }
 
@@ -154,13 +178,12 @@ impl MessagePass<'_> {
         let NamingForest { order, parent, children, is_bifurcation, .. } = self.forest;
         let (mut below, mut log) = (self.own.clone(), 0.0);
         let mut up: Vec<Option<Vec<f64>>> = vec![None; order.len()];
+        let mut bifurcations = vec![None; order.len()];
         for node in order.iter().rev() {
             let message = if is_bifurcation[*node] {
-                parent[*node].map(|_| {
-                    let messages: Vec<Option<&[f64]>> =
-                        children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain([None]).collect();
-                    self.out_of_bifurcation(*node, &messages, 2)
-                })
+                let arms = children[*node].iter().map(|(child, link)| self.along_arm(*link, row(&below, *child)));
+                let found = bifurcations[*node].insert(self.bifurcation(*node, arms.collect()));
+                parent[*node].map(|(_, link)| self.out_of_bifurcation(*node, found, [0, 1], link))
             } else {
                 log += normalise(row_mut(&mut below, *node)).ln();
                 parent[*node].filter(|arm| !is_bifurcation[arm.0]).map(|(_, link)| self.message(link, row(&below, *node)))
@@ -170,31 +193,26 @@ impl MessagePass<'_> {
             }
             up[*node] = message.map(|(message, _)| message);
         }
-        Upward { below, up, log }
+        Upward { below, up, bifurcations, log }
     }
 
     fn run(self) -> Beliefs {
         let NamingForest { order, parent, children, is_bifurcation, bridges } = self.forest;
-        let Upward { below, up, log } = self.upward();
+        let Upward { below, up, mut bifurcations, log } = self.upward();
         let mut all = below.clone();
         let mut bridge_ratio = vec![None; *bridges];
         for node in order {
-            if is_bifurcation[*node] {
-                let cavity = parent[*node].map(|(above, _)| divided(row(&all, above), up[*node].as_deref()));
-                let messages: Vec<Option<&[f64]>> =
-                    children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain(cavity.as_deref().map(Some)).collect();
-                let posterior = self.at_bifurcation(*node, &messages);
-                let outward = |arm: usize| {
-                    let mut others = messages.clone();
-                    others[arm] = None;
-                    self.out_of_bifurcation(*node, &others, arm).0
-                };
-                let outward: Vec<Vec<f64>> = (0..children[*node].len()).map(outward).collect();
-                row_mut(&mut all, *node).copy_from_slice(&posterior);
-                for ((child, _), message) in children[*node].iter().zip(&outward) {
-                    let beliefs: Vec<f64> = row(&below, *child).iter().zip(message).map(|(b, m)| b * m).collect();
-                    row_mut(&mut all, *child).copy_from_slice(&beliefs);
-                    normalise(row_mut(&mut all, *child));
+            if let Some(found) = &mut bifurcations[*node] {
+                if let Some((above, link)) = parent[*node] {
+                    let cavity = divided(row(&all, above), up[*node].as_deref());
+                    found.arms.push(self.along_arm(link, &cavity));
+                }
+                row_mut(&mut all, *node).copy_from_slice(&self.at_bifurcation(*node, found));
+                for ((child, link), others) in children[*node].iter().zip([[1, 2], [0, 2], [0, 1]]) {
+                    let (message, _) = self.out_of_bifurcation(*node, found, others, *link);
+                    let child = row_mut(&mut all, *child);
+                    child.iter_mut().zip(&message).for_each(|(b, m)| *b *= m);
+                    normalise(child);
                 }
                 continue;
             }
@@ -237,20 +255,26 @@ impl MessagePass<'_> {
         (out, log)
     }
 
-    /// The arms of a node, the parent last.
-    fn arms(&self, node: usize) -> Vec<Neighbour> {
-        self.forest.children[node].iter().chain(&self.forest.parent[node]).copied().collect()
+    /// What is known of a bifurcation by what comes along some of its arms.
+    fn bifurcation(&self, node: usize, arms: Vec<ArmMessage>) -> ArmsAndMiddle {
+        let kinds = &self.atlas.bifurcations;
+        let sum: f64 = row(&self.own, node).iter().sum();
+        let middle = |(states, p): (&[f64], &f64)| p * self.middle_fit(node, states).sum::<f64>() / sum;
+        let middle = kinds.middle.chunks(STATES).zip(&kinds.probability).map(middle).collect();
+        let probability = |arm: &Neighbour| if let ForestLink::Gap { probability, .. } = arm.1 { probability } else { 1.0 };
+        let links = self.forest.children[node].iter().chain(&self.forest.parent[node]);
+        ArmsAndMiddle { arms, middle, joined: (1.0 - UNSEEN_KIND) * links.map(probability).product::<f64>() }
     }
 
-    /// Per kind of bifurcation and arm the probability of an arm's message, kinds x 3.
-    fn arm_weights(&self, arms: &[Neighbour], messages: &[Option<&[f64]>]) -> [Vec<f64>; 3] {
-        let kinds = self.atlas.bifurcations.kinds.len();
-        [0, 1, 2].map(|arm| {
-            let Some(message) = messages[arm] else { return Vec::new() };
-            let sum: f64 = message.iter().sum();
-            let table = self.table_of(arms[arm].1);
-            self.product(&table[..kinds * 3 * STATES], message).into_iter().map(|weight| weight / sum).collect()
-        })
+    /// How well each state fits a node that is the middle of a bifurcation, given P(state of the middle) of its kind.
+    fn middle_fit<'s>(&'s self, node: usize, states: &'s [f64]) -> impl Iterator<Item = f64> + 's {
+        states.iter().zip(&self.atlas.prior).zip(row(&self.own, node)).map(|((m, prior), u)| m / prior * u)
+    }
+
+    fn along_arm(&self, link: ForestLink, message: &[f64]) -> ArmMessage {
+        let sum: f64 = message.iter().sum();
+        let of_kinds = self.product(self.table_of(link), message).into_iter().map(|weight| weight / sum).collect();
+        ArmMessage { of_kinds, over: self.message(link, message).0, log: sum.ln() }
     }
 
     fn table_of(&self, link: ForestLink) -> &[f64] {
@@ -258,67 +282,39 @@ impl MessagePass<'_> {
         if matches!(link, ForestLink::Gap { .. }) { &kinds.arm_behind_gap } else { &kinds.arm }
     }
 
-    /// Per kind its probability and that of the middle.
-    fn middle_weights(&self, node: usize) -> Vec<f64> {
-        let kinds = &self.atlas.bifurcations;
-        let own = row(&self.own, node);
-        let sum: f64 = own.iter().sum();
-        let middle = |(states, p): (&[f64], &f64)| {
-            let fit: f64 = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).sum();
-            p * fit / sum
-        };
-        kinds.middle.chunks(STATES).zip(&kinds.probability).map(middle).collect()
-    }
-
-    /// How probable it is that the arms meet at all: bridges may not exist.
-    fn joined(arms: &[Neighbour]) -> f64 {
-        let probability = |arm: &Neighbour| if let ForestLink::Gap { probability, .. } = arm.1 { probability } else { 1.0 };
-        (1.0 - UNSEEN_KIND) * arms.iter().map(probability).product::<f64>()
-    }
-
-    /// The belief of a bifurcation.
-    fn at_bifurcation(&self, node: usize, messages: &[Option<&[f64]>]) -> Vec<f64> {
-        let arms = self.arms(node);
-        let [a, b, c] = self.arm_weights(&arms, messages);
-        let joined = Self::joined(&arms);
-        let of_kind = |(k, middle): (usize, &f64)| {
-            let sum: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
-            sum / 6.0 * middle
-        };
-        let of_kind: Vec<f64> = self.middle_weights(node).iter().enumerate().map(of_kind).collect();
+    /// The belief of a bifurcation, by all of its arms.
+    fn at_bifurcation(&self, node: usize, found: &ArmsAndMiddle) -> Vec<f64> {
+        let [a, b, c] = [0, 1, 2].map(|arm| &found.arms[arm].of_kinds);
         let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
-        let mut posterior: Vec<f64> = own.iter().map(|u| (1.0 - joined) * u / total).collect();
-        for (arm, message) in arms.iter().zip(messages).filter_map(|(arm, m)| m.map(|m| (arm, m))) {
-            let over = self.message(arm.1, message).0;
-            posterior.iter_mut().zip(&over).for_each(|(p, m)| *p *= m * STATES as f64);
+        let mut posterior: Vec<f64> = own.iter().map(|u| (1.0 - found.joined) * u / total).collect();
+        for arm in &found.arms {
+            posterior.iter_mut().zip(&arm.over).for_each(|(p, m)| *p *= m * STATES as f64);
         }
-        for (weight, states) in of_kind.iter().zip(self.atlas.bifurcations.middle.chunks(STATES)) {
-            let fit: Vec<f64> = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).collect();
+        for ((k, middle), states) in found.middle.iter().enumerate().zip(self.atlas.bifurcations.middle.chunks(STATES)) {
+            let orders: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
+            let weight = orders / 6.0 * middle;
+            let fit: Vec<f64> = self.middle_fit(node, states).collect();
             let sum: f64 = fit.iter().sum();
             if sum > 0.0 {
-                posterior.iter_mut().zip(&fit).for_each(|(p, f)| *p += joined * weight * f / sum);
+                posterior.iter_mut().zip(&fit).for_each(|(p, f)| *p += found.joined * weight * f / sum);
             }
         }
         normalise(&mut posterior);
         posterior
     }
 
-    /// The message of a bifurcation to one of its arms, and the logarithm of what it was divided by.
-    fn out_of_bifurcation(&self, node: usize, messages: &[Option<&[f64]>], target: usize) -> (Vec<f64>, f64) {
-        let arms = self.arms(node);
-        let weights = self.arm_weights(&arms, messages);
-        let others: Vec<usize> = (0..3).filter(|arm| *arm != target).collect();
-        let joined = Self::joined(&arms);
-        let table = self.table_of(arms[target].1);
+    /// The message of a bifurcation over the link of one of its arms, by what comes along the `others`; and the logarithm of what it was
+    /// divided by.
+    fn out_of_bifurcation(&self, node: usize, found: &ArmsAndMiddle, others: [usize; 2], link: ForestLink) -> (Vec<f64>, f64) {
+        let [x, y] = others.map(|arm| &found.arms[arm]);
+        let table = self.table_of(link);
         let mut out = vec![0.0; STATES];
-        for (k, middle) in self.middle_weights(node).iter().enumerate() {
-            let mut at = [0.0; 3];
-            for order in ORDERS {
-                at[order[target]] += weights[others[0]][3 * k + order[others[0]]] * weights[others[1]][3 * k + order[others[1]]];
-            }
-            for (number, share) in at.iter().enumerate() {
-                let weight = joined * share * middle / 6.0;
+        for (k, middle) in found.middle.iter().enumerate() {
+            let (x, y) = (&x.of_kinds[3 * k..], &y.of_kinds[3 * k..]);
+            // Each arm of the kind may be the one that leads there, and the others are the remaining two in either order.
+            for (number, [b, c]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
+                let weight = found.joined * (x[b] * y[c] + x[c] * y[b]) * middle / 6.0;
                 if weight > 0.0 {
                     let states = row(table, 3 * k + number);
                     out.iter_mut().zip(states).for_each(|(o, s)| *o += weight * s);
@@ -328,17 +324,13 @@ impl MessagePass<'_> {
         let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut here: Vec<f64> = own.iter().map(|u| u / total).collect();
-        for other in others {
-            if let Some(message) = messages[other] {
-                let over = self.message(arms[other].1, message).0;
-                here.iter_mut().zip(&over).for_each(|(h, m)| *h *= m * STATES as f64);
-            }
+        for arm in [x, y] {
+            here.iter_mut().zip(&arm.over).for_each(|(h, m)| *h *= m * STATES as f64);
         }
         let sum: f64 = here.iter().sum();
-        let onward = self.message(arms[target].1, &here).0;
-        out.iter_mut().zip(&onward).for_each(|(o, m)| *o += (1.0 - joined) * m * sum * STATES as f64);
-        let of_arms: f64 = messages.iter().flatten().map(|message| message.iter().sum::<f64>().ln()).sum();
-        let log = total.ln() + of_arms + normalise(&mut out).ln();
+        let onward = self.message(link, &here).0;
+        out.iter_mut().zip(&onward).for_each(|(o, m)| *o += (1.0 - found.joined) * m * sum * STATES as f64);
+        let log = total.ln() + (x.log + y.log) + normalise(&mut out).ln();
         (out, log)
     }
 }

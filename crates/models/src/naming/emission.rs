@@ -50,7 +50,7 @@ pub const POSITION_FREEDOM: f64 = 8.0;
 const RADIUS_FREEDOM: f64 = 4.0;
 
 /// The log likelihood of the radius of each node in each state: nodes x states. It does not depend on the pose.
-pub fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f64> {
+fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f64> {
     let mut fit = vec![0.0; nodes.len() * STATES];
     let student = |z: f64, spread: f64| -spread.ln() - 0.5 * (RADIUS_FREEDOM + 1.0) * (z * z / RADIUS_FREEDOM).ln_1p();
     for (log_radius, row) in nodes.log_radius.iter().zip(fit.chunks_mut(STATES)) {
@@ -72,16 +72,21 @@ pub struct Search<'a> {
     pub atlas: &'a Atlas,
     /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
     pub weight: &'a [f64],
+    /// The bridges of the forest.
+    pub used: &'a [usize],
+    /// The median log radius.
+    pub median: f64,
     /// From [`radius_fit`].
-    pub radius: Vec<f64>,
+    radius: Vec<f64>,
     /// The forest of names.
     pub forest: NamingForest,
 }
 
 impl<'a> Search<'a> {
     /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
-    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
-        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
+    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &'a [usize], median: f64) -> Self {
+        let (radius, forest) = (radius_fit(nodes, atlas, median), NamingForest::of(nodes, used));
+        Self { nodes, atlas, weight, used, median, radius, forest }
     }
 
     /// The share of [`Search::emission`] with all parts that a node counts for: nodes x states.

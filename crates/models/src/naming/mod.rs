@@ -28,10 +28,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::circle_of_willis::RING;
 use atlas::{ArteryLabel, Atlas, LABELS, OTHER, STATES, label_of, most_probable, states_of};
-use belief::{Beliefs, NamingForest};
+use belief::Beliefs;
 use emission::{Pose, Search};
 use nodes::is_traced;
-use pieces::{PIECE_FEATURES, exclusion, label_probabilities, piece_features};
+use pieces::{PIECE_FEATURES, label_probabilities, piece_features};
 use pose::{Core, Scored, core_at, find_core};
 use presence::Seen;
 use willis_core::error::Result;
@@ -88,7 +88,6 @@ pub struct Bearings {
 
 /// What one pass finds.
 struct NamingPass {
-    forest: NamingForest,
     beliefs: Beliefs,
     /// The log likelihoods that they are of: nodes x states.
     log_likelihood: Vec<f64>,
@@ -150,31 +149,32 @@ fn names_at(
 
     let mut median = median_of_all.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
     let mut used = nodes.spanning_bridges(|_| true);
-    let first = pass(&nodes, &one, &used, atlas, &pose, median);
+    let first = pass(&Search::new(&nodes, atlas, &one, &used, median), &pose);
     let doubt: Vec<f64> = first.features.iter().map(|x| model.is_false(x, None)).collect();
 
     let mut weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
-    let mut fit = f64::NAN;
-    if counted >= LEAST_TRUE {
+    let is_enough = counted >= LEAST_TRUE;
+    if is_enough {
         if median_of_all.is_none() {
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
-        let search = (!is_known).then(|| Search::new(&nodes, atlas, &weight, &used, median));
-        if let Some(found) = search.and_then(|search| search.around(poses).first().copied()) {
-            (pose, fit) = (found.pose, found.score);
-        }
     } else {
         weight = one;
     }
-    let second = pass(&nodes, &weight, &used, atlas, &pose, median);
+    let case = Search::new(&nodes, atlas, &weight, &used, median);
+    let mut fit = f64::NAN;
+    if let Some(found) = (is_enough && !is_known).then(|| case.around(poses)).and_then(|found| found.first().copied()) {
+        (pose, fit) = (found.pose, found.score);
+    }
+    let second = pass(&case, &pose);
     let false_pieces: Vec<f64> =
         second.features.iter().zip(&doubt).map(|(x, before)| model.is_false(x, Some((before + 1e-3).ln()))).collect();
 
     let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
     let bridge_factor = belief::factors(&nodes, atlas, &second.beliefs, &false_pieces);
-    let evidence = evidence(&second, atlas);
+    let evidence = evidence(&case, &second);
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     Some(Names {
         is_part: median_of_all.is_some(),
@@ -206,29 +206,14 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &At
 }
 
 /// The names at a pose, with one of every artery, and the features of the pieces.
-fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &Atlas, pose: &Pose, median: f64) -> NamingPass {
-    let case = Search::new(nodes, atlas, weight, used, median);
-    let own = case.tempered(pose, &atlas.position);
-    let mut penalty: Option<Vec<f64>> = None;
-    let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
-        penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
-    };
-    for _ in 0..ROUNDS {
-        let names = case.forest.beliefs(atlas, &with(&penalty)).states;
-        let new = exclusion(&case, &names);
-        penalty = Some(match penalty {
-            None => new,
-            Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
-        });
-    }
-    let log_likelihood = with(&penalty);
-    let beliefs = case.forest.beliefs(atlas, &log_likelihood);
-    let features = piece_features(&case, used, pose, &beliefs.states, median);
-    NamingPass { forest: case.forest, beliefs, log_likelihood, features }
+fn pass(case: &Search, pose: &Pose) -> NamingPass {
+    let (beliefs, log_likelihood) = case.settled(&case.tempered(pose, &case.atlas.position), ROUNDS);
+    let features = piece_features(case, pose, &beliefs.states);
+    NamingPass { beliefs, log_likelihood, features }
 }
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
-fn evidence(pass: &NamingPass, atlas: &Atlas) -> [f64; 7] {
+fn evidence(case: &Search, pass: &NamingPass) -> [f64; 7] {
     let states = RING.map(|segment| states_of(label_of(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
@@ -236,7 +221,7 @@ fn evidence(pass: &NamingPass, atlas: &Atlas) -> [f64; 7] {
         expected >= LEAST_EVIDENCE
     });
     let asked: Vec<_> = states.iter().zip(is_asked).filter(|(_, is_asked)| *is_asked).map(|(own, _)| own).collect();
-    let mut found = pass.forest.evidence(atlas, &pass.log_likelihood, &pass.beliefs, &asked).into_iter();
+    let mut found = case.forest.evidence(case.atlas, &pass.log_likelihood, &pass.beliefs, &asked).into_iter();
     is_asked.map(|is_asked| if is_asked { found.next().unwrap_or(0.0) } else { 0.0 })
 }
 

@@ -2,7 +2,7 @@
 
 use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries, row, row_mut};
 use super::emission::{Pose, Search};
-use super::{algebra::UNIT, nodes::Nodes};
+use super::{algebra::UNIT, belief::Beliefs, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
 
 /// How many features a piece has.
@@ -13,7 +13,7 @@ const MOST_RATIO: f64 = 8.0;
 /// The features of every piece: log length (mm); mean log ratio of position, direction and radius to no artery; mean relative log
 /// radius; share of it on states that other pieces fill; mean probability of the best label; probability of the best bridge; whether it
 /// has a junction; roughness; share of all length.
-pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64], median: f64) -> Vec<[f64; PIECE_FEATURES]> {
+pub fn piece_features(case: &Search, pose: &Pose, names: &[f64]) -> Vec<[f64; PIECE_FEATURES]> {
     let Search { nodes, atlas, weight, .. } = case;
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
@@ -30,36 +30,26 @@ pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64],
             *p /= sum;
         }
     }
-    let mut features = vec![[0.0; PIECE_FEATURES]; nodes.pieces];
-    let mean = |column: usize, values: &dyn Fn(usize) -> f64, features: &mut Vec<[f64; PIECE_FEATURES]>| {
-        for n in 0..nodes.len() {
-            features[nodes.piece[n]][column] += values(n) * length[n] / total[nodes.piece[n]];
-        }
-    };
     // Position, direction and radius, each alone.
-    for (k, parts) in UNIT.into_iter().enumerate() {
-        let e = case.emission(pose, &atlas.position, parts);
-        let ratio = |n: usize| {
-            let (e, given) = (row(&e, n), row(&given, n));
-            let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
-            sum.clamp(-MOST_RATIO, MOST_RATIO)
-        };
-        mean(1 + k, &ratio, &mut features);
-    }
-    mean(4, &|n| nodes.log_radius[n] - median, &mut features);
+    let parts = UNIT.map(|parts| case.emission(pose, &atlas.position, parts));
     let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
-    let doubled = |n: usize| {
-        let own = row(&filled, nodes.piece[n]);
-        let given = row(&given, n);
-        arteries().filter(|s| atlas.tables.once[*s]).map(|s| given[s] * (by_all[s] - own[s]).clamp(0.0, 1.0)).sum()
-    };
-    mean(5, &doubled, &mut features);
-    let best = |n: usize| {
-        let labels = label_probabilities(row(&given, n), atlas);
-        labels[..OTHER].iter().fold(0.0_f64, |a, b| a.max(*b))
-    };
-    mean(6, &best, &mut features);
-    for bridge in used.iter().map(|b| &nodes.bridges[*b]) {
+    let mut features = vec![[0.0; PIECE_FEATURES]; nodes.pieces];
+    for (n, piece) in nodes.piece.iter().enumerate() {
+        let (own, given) = (row(&filled, *piece), row(&given, n));
+        let [position, direction, radius] = parts.each_ref().map(|e| {
+            let e = row(e, n);
+            let ratio: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
+            ratio.clamp(-MOST_RATIO, MOST_RATIO)
+        });
+        let once = arteries().filter(|s| atlas.tables.once[*s]);
+        let doubled = once.map(|s| given[s] * (by_all[s] - own[s]).clamp(0.0, 1.0)).sum();
+        let best = label_probabilities(given, atlas)[..OTHER].iter().fold(0.0_f64, |a, b| a.max(*b));
+        let means = [position, direction, radius, nodes.log_radius[n] - case.median, doubled, best];
+        for (mean, value) in features[*piece][1..].iter_mut().zip(means) {
+            *mean += value * length[n] / total[*piece];
+        }
+    }
+    for bridge in case.used.iter().map(|b| &nodes.bridges[*b]) {
         for node in bridge.nodes {
             let best = &mut features[nodes.piece[node]][7];
             *best = best.max(bridge.probability);
@@ -100,22 +90,36 @@ pub fn label_probabilities(states: &[f64], atlas: &Atlas) -> [f64; LABELS] {
 /// The log penalty of a state that other branches fill.
 const PENALTY: f64 = 2.0;
 
-/// The log penalties, nodes x states, given the probabilities of the states.
-pub fn exclusion(case: &Search, names: &[f64]) -> Vec<f64> {
-    let Search { nodes, atlas, weight, .. } = case;
-    let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
-    let mut penalty = vec![0.0; nodes.len() * STATES];
-    for (of_node, branch) in penalty.chunks_mut(STATES).zip(&nodes.branch) {
-        let own = row(&filled, *branch);
-        for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
-            of_node[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
+impl Search<'_> {
+    /// The names by the log likelihoods of the nodes (nodes x states) with one of every artery, after some rounds in which pieces of arteries
+    /// that are taken twice settle; and the log likelihoods that they are of.
+    pub fn settled(&self, own: &[f64], rounds: usize) -> (Beliefs, Vec<f64>) {
+        let (mut penalty, mut log_likelihood) = (Vec::new(), own.to_vec());
+        for round in 0..rounds {
+            let new = self.exclusion(&self.forest.beliefs(self.atlas, &log_likelihood).states);
+            penalty = if round == 0 { new } else { penalty.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect() };
+            log_likelihood = own.iter().zip(&penalty).map(|(e, p)| e + p).collect();
         }
+        (self.forest.beliefs(self.atlas, &log_likelihood), log_likelihood)
     }
-    penalty
+
+    /// The log penalties, nodes x states, given the probabilities of the states.
+    fn exclusion(&self, names: &[f64]) -> Vec<f64> {
+        let Search { nodes, atlas, weight, .. } = self;
+        let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
+        let mut penalty = vec![0.0; nodes.len() * STATES];
+        for (of_node, branch) in penalty.chunks_mut(STATES).zip(&nodes.branch) {
+            let own = row(&filled, *branch);
+            for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
+                of_node[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
+            }
+        }
+        penalty
+    }
 }
 
 /// How far each unit of nodes fills each state, 0 to 1: units x states; and the sum over the units.
-pub fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], names: &[f64]) -> (Vec<f64>, Vec<f64>) {
+fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], names: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut filled = vec![0.0; units * STATES];
     for (n, names) in names.chunks(STATES).enumerate() {
         let length = nodes.weight[n] * weight[n] / BIN;

@@ -6,7 +6,7 @@ use faer::{Mat, Side, linalg::solvers::Solve};
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times, transposed};
 use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
 use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
-use super::{nodes::Nodes, pieces::exclusion};
+use super::nodes::Nodes;
 use willis_core::support::geometry::{Point, distance, dot, norm, sub};
 use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
 
@@ -155,10 +155,7 @@ impl Search<'_> {
     fn score(&self, pose: &Pose) -> f64 {
         let e = self.emission(pose, &self.atlas.position, ALL_PARTS);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
-        let mut names = self.forest.beliefs(self.atlas, &tempered).states;
-        let penalty = exclusion(self, &names);
-        let penalised: Vec<f64> = tempered.iter().zip(&penalty).map(|(e, p)| e + p).collect();
-        names = self.forest.beliefs(self.atlas, &penalised).states;
+        let names = self.settled(&tempered, 1).0.states;
         let mut score = 0.0;
         for (n, (names, e)) in names.chunks(STATES).zip(e.chunks(STATES)).enumerate() {
             let fit: f64 = names.iter().zip(e).map(|(g, e)| g * (e - self.atlas.log_other)).sum();
@@ -380,8 +377,8 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     if named.is_empty() {
         return None;
     }
-    let weight = vec![1.0; named.len()];
-    let search = Search::new(&named, atlas, &weight, &named.spanning_bridges(|_| true), median);
+    let (weight, used) = (vec![1.0; named.len()], named.spanning_bridges(|_| true));
+    let search = Search::new(&named, atlas, &weight, &used, median);
     let all: Vec<usize> = (0..named.len()).collect();
     let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
     for _ in 0..3 {

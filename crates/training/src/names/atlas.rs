@@ -11,7 +11,7 @@ use willis_models::naming::atlas::{
     first_state, label_of,
 };
 use willis_models::naming::emission::{Pose, Search};
-use willis_models::naming::{belief::NamingForest, pose::Pulls};
+use willis_models::naming::pose::Pulls;
 
 /// Rounds of distributions and poses.
 const ROUNDS: usize = 5;
@@ -64,8 +64,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
         for one in &mut posed {
             let nodes = &one.truth.nodes;
             let (weight, all) = (vec![1.0; nodes.len()], (0..nodes.len()).collect::<Vec<_>>());
-            let forest = NamingForest::of(nodes, &[]);
-            let search = Search { nodes, atlas: &atlas, weight: &weight, radius: Vec::new(), forest };
+            let search = Search::new(nodes, &atlas, &weight, &[], one.median);
             for _ in 0..POSE_STEPS {
                 one.pose = search.step(&all, &one.pose, &pulls, &one.known, false);
             }
