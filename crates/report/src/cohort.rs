@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use serde_json::{Map, Value, json};
 
 use crate::figures::{FRONT, units};
-use crate::page::{PageKind, PageTable, write_page};
+use crate::page::{PageKind, PageTable, column_of, write_page};
 use willis_core::error::Result;
 use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Column, Covariates, Values, escape_formula, write_csv};
@@ -90,15 +90,9 @@ pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
         columns.push(Column::text(name, rows.iter().map(text)));
     }
     for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
-        if columns.iter().any(|column| column.name == *name) {
-            continue;
+        if columns.iter().all(|column| column.name != *name) {
+            columns.push(column_of(name.clone(), rows.iter().map(|row| row.cell(name).unwrap_or(&Value::Null))));
         }
-        columns.push(if rows.iter().any(|row| row.cell(name).is_some_and(Value::is_string)) {
-            let word = |row: &CohortRow| row.cell(name).and_then(Value::as_str).unwrap_or_default().to_owned();
-            Column::text(name.clone(), rows.iter().map(word))
-        } else {
-            Column::real(name.clone(), rows.iter().map(|row| row.number(name)))
-        });
     }
     columns
 }

@@ -278,43 +278,42 @@ impl Sheet {
 }
 
 /// The embedded font, whose letters are outlines in bitmaps, which need no installed font.
-static FONT: LazyLock<Option<FontRef<'static>>> =
-    LazyLock::new(|| FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).ok());
+static FONT: LazyLock<FontRef<'static>> =
+    LazyLock::new(|| FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).expect("the font is part of the program"));
 
 /// Each letter of a text of a size with its place along the base line, then the end; and the scale of the font. The size is from the
 /// lowest descender of the font to its highest ascender.
-fn letters(font: &FontRef<'_>, text: &str, size: f64) -> (Vec<(GlyphId, f64)>, f64, f64) {
-    let scale = size / f64::from(font.height_unscaled());
+fn letters(text: &str, size: f64) -> (Vec<(GlyphId, f64)>, f64, f64) {
+    let scale = size / f64::from(FONT.height_unscaled());
     let (mut all, mut along) = (Vec::new(), 0.0);
     for letter in text.chars() {
-        let glyph = font.glyph_id(letter);
-        along += all.last().map_or(0.0, |(before, _)| f64::from(font.kern_unscaled(*before, glyph)) * scale);
+        let glyph = FONT.glyph_id(letter);
+        along += all.last().map_or(0.0, |(before, _)| f64::from(FONT.kern_unscaled(*before, glyph)) * scale);
         all.push((glyph, along));
-        along += f64::from(font.h_advance_unscaled(glyph)) * scale;
+        along += f64::from(FONT.h_advance_unscaled(glyph)) * scale;
     }
     (all, along, scale)
 }
 
 /// The size that programs call that of text of a size: the side of its em square.
 pub fn em(size: f64) -> f64 {
-    FONT.as_ref().map_or(size, |font| size * f64::from(font.units_per_em().unwrap_or(1.0) / font.height_unscaled()))
+    size * f64::from(FONT.units_per_em().unwrap_or(1.0) / FONT.height_unscaled())
 }
 
-/// The width of a line of text of a size; zero when the font cannot be read.
+/// The width of a line of text of a size.
 fn width(text: &str, size: f64) -> f64 {
-    FONT.as_ref().map_or(0.0, |font| letters(font, text, size).1)
+    letters(text, size).1
 }
 
 /// The outline of a line of text of a size. `at` places its points, which are (x, y) from the beginning of the base line, with y
-/// downwards. `None` where nothing is to be drawn, or the font cannot be read.
+/// downwards. `None` where nothing is to be drawn.
 fn outline(text: &str, size: f64, at: impl Fn([f64; 2]) -> [f64; 2]) -> Option<Path> {
-    let font = FONT.as_ref()?;
-    let (letters, _, scale) = letters(font, text, size);
+    let (letters, _, scale) = letters(text, size);
     let mut path = PathBuilder::new();
     for (glyph, along) in letters {
         let place = |p: Point| at([along + f64::from(p.x) * scale, -f64::from(p.y) * scale]).map(|c| c as f32);
         let mut end = None;
-        for curve in font.outline(glyph).into_iter().flat_map(|outline| outline.curves) {
+        for curve in FONT.outline(glyph).into_iter().flat_map(|outline| outline.curves) {
             let (OutlineCurve::Line(start, _) | OutlineCurve::Quad(start, ..) | OutlineCurve::Cubic(start, ..)) = curve;
             if end != Some(start) {
                 let [x, y] = place(start);

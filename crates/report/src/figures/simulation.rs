@@ -214,8 +214,8 @@ pub struct ArteryWaveform {
 /// Draws the flow of up to 24 arteries over a period of `period` s: named ones first, then those of the largest mean flow.
 pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     let mut rows: Vec<usize> = (0..arteries.len()).collect();
-    let flow = |row: usize| arteries[row].states.iter().map(|(_, mean, _)| mean.abs()).fold(0.0, f64::max) as f32;
-    rows.sort_by(|a, b| arteries[*b].is_named.cmp(&arteries[*a].is_named).then(flow(*b).total_cmp(&flow(*a))));
+    largest_first(&mut rows, |row| arteries[*row].states.iter().map(|(_, mean, _)| mean.abs()).fold(0.0, f64::max));
+    rows.sort_by_key(|row| !arteries[*row].is_named);
     rows.truncate(MOST_PANELS);
     rows.sort_unstable();
     let shown: Vec<&ArteryWaveform> = rows.iter().map(|row| &arteries[*row]).collect();

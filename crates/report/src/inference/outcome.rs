@@ -180,11 +180,6 @@ pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Colum
     let edges = Column::text("edges", words);
     let kept = Column::whole("kept", parts.iter().map(|_| 1));
     let first: Vec<usize> = parts.iter().filter_map(|parts| parts.iter().min().copied()).collect();
-    if parts.len() == network.vessel_count() {
-        // All are as they were.
-        let each = vessels.into_iter().map(|column| if column.name == "kept" { kept.clone() } else { column });
-        return each.chain([edges]).collect();
-    }
     let is_merged = parts.iter().any(|parts| parts.len() > 1);
     let mut own = if is_merged { formats::vessel_columns(&merged.network) } else { Vec::new() };
     let volume = |row: &usize| network.vessel(*row).volume();
@@ -276,16 +271,12 @@ struct PairingRow<'a> {
 pub fn pairing_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
     let mut rows: Vec<PairingRow<'_>> = Vec::new();
     for place in outcome.pairings {
-        let taken_way = place.taken(&outcome.answer.kept);
-        let mut row = |way: &[usize], probability, taken| {
+        let taken = place.taken(&outcome.answer.kept);
+        let is_listed = place.ways.iter().any(|(way, _)| *way == taken);
+        let unlisted = (!is_listed).then(|| (taken.clone(), f64::NAN));
+        for (way, probability) in place.ways.iter().chain(&unlisted) {
             let decision = place.decision(way, outcome.network).unwrap_or_default();
-            rows.push(PairingRow { place, told: place.told(way), probability, taken, decision });
-        };
-        for (way, probability) in &place.ways {
-            row(way, *probability, *way == taken_way);
-        }
-        if place.ways.iter().all(|(way, _)| *way != taken_way) {
-            row(&taken_way, f64::NAN, true);
+            rows.push(PairingRow { place, told: place.told(way), probability: *probability, taken: *way == taken, decision });
         }
     }
     // A space before a minus, which is no formula then.

@@ -3,6 +3,7 @@
 pub mod lead;
 pub mod scene;
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -196,9 +197,9 @@ impl Colouring {
     }
 }
 
-/// Removes a part of the record that becomes a table.
+/// Removes a part of the record that the page shows elsewhere.
 pub(crate) fn take(record: &mut Value, name: &str) -> Value {
-    record.get_mut(name).map_or(json!([]), Value::take)
+    record.get_mut(name).map_or(Value::Null, Value::take)
 }
 
 /// The largest packed SVG in a page, bytes. A larger picture becomes a PNG.
@@ -235,41 +236,34 @@ impl PagePicture {
     }
 }
 
-/// A table with one row per item. A column holds numbers where all its values are numbers. `None` without an item.
-pub(crate) fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<PageTable> {
-    let items = items.as_array().filter(|items| !items.is_empty())?;
-    let word = |value: &Value| match value {
+/// A column of cells of a record: of numbers where all are numbers, else of words.
+pub(crate) fn column_of<'a>(name: impl Into<Cow<'static, str>>, cells: impl Iterator<Item = &'a Value> + Clone) -> Column {
+    if cells.clone().all(|cell| cell.is_null() || cell.is_number()) {
+        return Column::real(name, cells.map(|cell| cell.as_f64().unwrap_or(f64::NAN)));
+    }
+    let word = |cell: &Value| match cell {
         Value::Null => String::new(),
         Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
-        value => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+        cell => cell.as_str().map_or_else(|| cell.to_string(), str::to_owned),
     };
-    let column = |&name: &&'static str| {
-        let values = || items.iter().map(|item| &item[name]);
-        let are_numbers = values().all(|v| v.is_null() || v.is_number());
-        let reals = || values().map(|v| v.as_f64().unwrap_or(f64::NAN));
-        if are_numbers { Column::real(name, reals()) } else { Column::text(name, values().map(word)) }
-    };
-    Some(PageTable::new(title, columns.iter().map(column).collect(), false))
+    Column::text(name, cells.map(word))
+}
+
+/// A table with one row per item, of those of its fields that are named. `None` without an item.
+pub(crate) fn list<T: Serialize>(title: &str, items: &[T], columns: &[&'static str]) -> Option<PageTable> {
+    let mut cells = vec![Vec::new(); columns.len()];
+    for item in items {
+        let mut fields = json!(item);
+        cells.iter_mut().zip(columns).for_each(|(cells, name)| cells.push(fields[name].take()));
+    }
+    let columns = columns.iter().zip(&cells).map(|(name, cells)| column_of(*name, cells.iter()));
+    (!items.is_empty()).then(|| PageTable::new(title, columns.collect(), false))
 }
 
 /// The boundary conditions of a run; `None` without one.
 pub(crate) fn condition_table(of: &[ConditionRecord]) -> Option<PageTable> {
-    let text = |name, text: fn(&ConditionRecord) -> &str| Column::text(name, of.iter().map(text));
-    let yes = |yes: bool| if yes { "yes" } else { "no" };
-    let figure =
-        |name, figure: fn(&ConditionRecord) -> Option<f64>| Column::real(name, of.iter().map(|c| figure(c).unwrap_or(f64::NAN)));
-    let columns = vec![
-        Column::real("node", of.iter().map(|c| c.node as f64)),
-        text("id", |c| &c.id),
-        text("role", |c| c.role),
-        Column::text("found", of.iter().map(|c| yes(c.found))),
-        Column::text("holds", of.iter().map(|c| c.holds.map_or("", yes))),
-        figure("pressure_mmHg", |c| c.pressure),
-        figure("resistance_mmHg_s_per_mL", |c| c.resistance),
-        figure("venous_pressure_mmHg", |c| c.venous),
-        figure("flow_mL_per_min", |c| c.flow),
-    ];
-    (!of.is_empty()).then(|| PageTable::new("Boundary conditions", columns, false))
+    let figures = ["pressure_mmHg", "resistance_mmHg_s_per_mL", "venous_pressure_mmHg", "flow_mL_per_min"];
+    list("Boundary conditions", of, &[&["node", "id", "role", "found", "holds"], &figures[..]].concat())
 }
 
 impl Serialize for PageScene {

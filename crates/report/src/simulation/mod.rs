@@ -266,11 +266,11 @@ fn page(
     page.lead = lead::simulation(&page.record);
     page.facts = facts(&page.record, &FACTS);
     page.facts.extend(facts(&page.record, if perturbed { &PERTURBED_FACTS } else { &[] }));
-    let mut part = |name| take(&mut page.record, name);
+    let mut part = |title, name, columns| list(title, take(&mut page.record, name).as_array()?, columns);
     let lists = [
-        list("Perturbations", &part("perturbations"), &PERTURBATION),
-        list("Collaterals", &part("collaterals"), &COLLATERAL),
-        list("Reversed flows", &part("reversed"), &COLLATERAL),
+        part("Perturbations", "perturbations", &PERTURBATION),
+        part("Collaterals", "collaterals", &COLLATERAL),
+        part("Reversed flows", "reversed", &COLLATERAL),
         condition_table(&of_run.conditions),
     ];
     let (tables, colours) = (&mut page.tables, &mut page.colourings);

@@ -102,13 +102,11 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
         text("inlet", &|(_, source)| end_name(network, *source)),
         text("inlet_id", &|(_, source)| network.node(*source).id.clone()),
     ];
-    for (state, suffix) in transports.states() {
-        let Simulation { unperturbed, perturbed, .. } = &simulated.result;
-        let flows = if suffix.is_empty() { Some(unperturbed) } else { perturbed.as_ref() };
+    let Simulation { unperturbed, perturbed } = &simulated.result;
+    for ((state, suffix), flows) in transports.states().zip(std::iter::once(unperturbed).chain(perturbed)) {
         let share = |(place, source): &(Drain, usize)| {
-            let through = |row: usize| flows.map_or(0.0, |state| state.vessels[row].flow.abs());
             let (blood, flow) = match place {
-                Drain::Vessel(row) => (state.of_vessel(*row), through(*row)),
+                Drain::Vessel(row) => (state.of_vessel(*row), flows.vessels[*row].flow.abs()),
                 Drain::Outlet(node) => (state.nodes[*node].as_ref(), state.leaving(*node)),
             };
             blood.map(|blood| (state.of_source(blood, *source), flow))
@@ -121,47 +119,43 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     columns
 }
 
+/// The inlet from which most of the blood at some places comes, and its share.
+fn most_from(network: &Network, (state, suffix): (&Transport, &str), places: &[Option<&Blood>]) -> [Column; 2] {
+    let inlet = |blood: &Blood| end_name(network, state.sources[blood.territory().0]);
+    let inlets = places.iter().map(|blood| blood.map_or_else(String::new, inlet));
+    let share = figure("territory_share", suffix, places, |blood| blood.map(|blood| blood.territory().1));
+    [Column::text(format!("territory{suffix}"), inlets), share]
+}
+
 /// The columns of transit.csv: a row a node.
 pub fn transit_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
-    let (network, nodes) = (&*simulated.network, (0..simulated.network.node_count()).collect::<Vec<usize>>());
-    let text = |name: &'static str, of: &dyn Fn(usize) -> String| Column::text(name, nodes.iter().map(|node| of(*node)));
+    let network = &*simulated.network;
     let mut columns = vec![
-        Column::whole("node", nodes.iter().copied()),
-        text("id", &|node| network.node(node).id.clone()),
-        text("label", &|node| network.node(node).label.clone()),
-        text("role", &|node| simulated.boundary.roles[node].name().to_owned()),
+        Column::whole("node", 0..network.node_count()),
+        Column::text("id", network.nodes().map(|node| &node.id)),
+        Column::text("label", network.nodes().map(|node| &node.label)),
+        Column::text("role", simulated.boundary.roles.iter().map(|role| role.name())),
     ];
     for (state, suffix) in transports.states() {
-        let of = |name: &str, figure_of: &dyn Fn(&Blood) -> f64| {
-            figure(name, suffix, &nodes, |node| state.nodes[*node].as_ref().map(figure_of))
-        };
+        let blood: Vec<Option<&Blood>> = state.nodes.iter().map(Option::as_ref).collect();
+        let of = |name: &str, of: &dyn Fn(&Blood) -> f64| figure(name, suffix, &blood, |blood| blood.map(of));
         columns.push(of("through_mL_per_min", &|blood| ml_per_min(blood.through)));
         columns.push(of("mean_ms", &|blood| milliseconds(blood.mean)));
         columns.push(of("sd_ms", &|blood| milliseconds(blood.variance.sqrt())));
         columns.push(of("first_ms", &|blood| milliseconds(blood.first)));
-        let territory = |node: &usize| {
-            state.nodes[*node].as_ref().map_or_else(String::new, |blood| end_name(network, state.sources[blood.territory().0]))
-        };
-        columns.push(Column::text(format!("territory{suffix}"), nodes.iter().map(territory)));
-        columns.push(of("territory_share", &|blood| blood.territory().1));
+        columns.extend(most_from(network, (state, suffix), &blood));
     }
     columns
 }
 
 /// What edges.csv gains, by the blood at the upstream end of each vessel.
 pub fn transport_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
-    let rows: Vec<usize> = (0..simulated.network.vessel_count()).collect();
     let mut columns = Vec::new();
     for (state, suffix) in transports.states() {
-        let of = |name: &str, of: &dyn Fn(&Blood) -> f64| figure(name, suffix, &rows, |row| state.of_vessel(*row).map(of));
-        let territory = |row: &usize| {
-            let blood = state.of_vessel(*row);
-            blood.map_or_else(String::new, |blood| end_name(&simulated.network, state.sources[blood.territory().0]))
-        };
-        columns.push(Column::text(format!("territory{suffix}"), rows.iter().map(territory)));
-        columns.push(of("territory_share", &|blood| blood.territory().1));
-        columns.push(of("arrival_ms", &|blood| milliseconds(blood.mean)));
-        columns.push(figure("transit_ms", suffix, &rows, |row| state.vessels[*row].map(|(_, time)| milliseconds(time))));
+        let blood: Vec<Option<&Blood>> = (0..state.vessels.len()).map(|row| state.of_vessel(row)).collect();
+        columns.extend(most_from(&simulated.network, (state, suffix), &blood));
+        columns.push(figure("arrival_ms", suffix, &blood, |blood| blood.map(|blood| milliseconds(blood.mean))));
+        columns.push(figure("transit_ms", suffix, &state.vessels, |vessel| vessel.map(|(_, time)| milliseconds(time))));
     }
     columns
 }

@@ -6,34 +6,30 @@ const RING_SEGMENTS = {
   "R-P1": { course: "M-66,74 Q-30,44 0,52", text: [-40, 8, "middle"] },
   AComm: { course: "M-20,-128 L20,-128", text: [0, -104, "middle"] },
 };
-// The vessels around the ring, which are drawn for orientation: course, width, the place of the name.
+// The vessels around the ring, which are drawn for orientation, the same with their width.
 const AROUND = {
-  "R-ICA": ["M-92,-62 Q-112,-40 -116,-22", 15, [-124, -16, "end"]],
-  "R-M1": ["M-92,-62 Q-140,-92 -196,-78", 11, [-196, -92, "start"]],
-  "R-A2": ["M-20,-128 Q-26,-160 -14,-196", 9, [-28, -188, "end"]],
-  "R-P2": ["M-66,74 Q-110,84 -164,132", 9, [-164, 116, "end"]],
-  BA: ["M0,52 L0,132", 13, [12, 112, "start"]],
-  "R-VA": ["M0,132 Q-22,152 -48,192", 9, [-54, 180, "end"]],
+  "R-ICA": { course: "M-92,-62 Q-112,-40 -116,-22", wide: 15, text: [-124, -16, "end"] },
+  "R-M1": { course: "M-92,-62 Q-140,-92 -196,-78", wide: 11, text: [-196, -92, "start"] },
+  "R-A2": { course: "M-20,-128 Q-26,-160 -14,-196", wide: 9, text: [-28, -188, "end"] },
+  "R-P2": { course: "M-66,74 Q-110,84 -164,132", wide: 9, text: [-164, 116, "end"] },
+  BA: { course: "M0,52 L0,132", wide: 13, text: [12, 112, "start"] },
+  "R-VA": { course: "M0,132 Q-22,152 -48,192", wide: 9, text: [-54, 180, "end"] },
 };
-const mirrored = course => course.replace(/(-?\d+),/g, (_, x) => `${-x},`);
 const OPPOSITE = { end: "start", start: "end", middle: "middle" };
+
+// The parts with their names, those of the right mirrored for the left.
+const ofBothSides = parts => Object.entries(parts).flatMap(([name, part]) => {
+  if (!name.startsWith("R-")) return [{ name, ...part }];
+  const [x, y, anchor] = part.text, course = part.course.replace(/(-?\d+),/g, (_, x) => `${-x},`);
+  return [{ name, ...part }, { ...part, name: name.replace("R-", "L-"), course, text: [-x, y, OPPOSITE[anchor]] }];
+});
 
 // What is known of a segment: `probability` (null where the vessels were taken as they stand), `present` in the most probable variant,
 // `notSeen` where nothing was seen and the probability is that of the prior, `hypoplastic` where it is thin.
 function segmentState(phenotype, name) {
-  const said = phenotype.segments?.[name], of = phenotype.probabilities?.segments?.[name];
-  const more = [said, of, phenotype.states?.[name]].filter(part => part !== null && typeof part === "object");
-  const own = field => more.map(part => part[field]).find(value => value !== undefined);
-  // As a list of segments, of the phenotype or of its probabilities.
-  const listed = field => [phenotype[field], phenotype.probabilities?.[field]].some(list => Array.isArray(list) ? list.includes(name) : Boolean(list?.[name]));
-  const probability = own("probability") ?? (typeof of === "number" ? of : null);
-  return {
-    name, probability,
-    present: own("present") ?? (typeof said === "boolean" ? said : probability === null || probability >= 0.5),
-    notSeen: own("not_seen") ?? listed("not_seen"),
-    hypoplastic: own("hypoplastic") ?? listed("hypoplastic"),
-    impossible: listed("impossible"),
-  };
+  const known = phenotype.probabilities, listed = field => [phenotype, known].some(of => of?.[field]?.includes(name));
+  const [notSeen, hypoplastic, impossible] = ["not_seen", "hypoplastic", "impossible"].map(listed);
+  return { name, probability: known?.segments[name] ?? null, present: phenotype.segments[name], notSeen, hypoplastic, impossible };
 }
 
 // A probability as it stands after "P": `= .35`, or `> .999`.
@@ -77,25 +73,13 @@ function drawSegment(state, { course, text: [x, y, anchor] }, colours) {
 
 // The drawing of a phenotype; `colours` is the colour map of probabilities.
 function drawCircle(phenotype, colours) {
-  const around = [];
-  for (const [name, [course, wide, [x, y, anchor]]] of Object.entries(AROUND)) {
-    const sides = name.startsWith("R-") ? [[name, course, x, anchor], [name.replace("R-", "L-"), mirrored(course), -x, OPPOSITE[anchor]]] : [[name, course, x, anchor]];
-    for (const [side, path, at, how] of sides) {
-      const unseen = phenotype.segments?.[side] === false;
-      around.push(draw("path", { d: path, fill: "none", stroke: "var(--vessel)", "stroke-width": unseen ? 3 : wide, "stroke-dasharray": unseen ? "7 6" : null, "stroke-linecap": "round" }),
-        draw("text", { x: at, y, "text-anchor": how, class: "around", text: unseen ? `${side}: not seen` : side }));
-    }
-  }
-  const ring = [], states = [];
-  for (const [name, shape] of Object.entries(RING_SEGMENTS)) {
-    const { course, text: [x, y, anchor] } = shape;
-    const sides = name.startsWith("R-") ? [[name, shape], [name.replace("R-", "L-"), { course: mirrored(course), text: [-x, y, OPPOSITE[anchor]] }]] : [[name, shape]];
-    for (const [side, at] of sides) {
-      const state = segmentState(phenotype, side);
-      states.push(state);
-      ring.push(drawSegment(state, at, colours));
-    }
-  }
+  const around = ofBothSides(AROUND).flatMap(({ name, course, wide, text: [x, y, anchor] }) => {
+    const unseen = phenotype.segments[name] === false;
+    return [draw("path", { d: course, fill: "none", stroke: "var(--vessel)", "stroke-width": unseen ? 3 : wide, "stroke-dasharray": unseen ? "7 6" : null, "stroke-linecap": "round" }),
+      draw("text", { x, y, "text-anchor": anchor, class: "around", text: unseen ? `${name}: not seen` : name })];
+  });
+  const segments = ofBothSides(RING_SEGMENTS), states = segments.map(({ name }) => segmentState(phenotype, name));
+  const ring = segments.map((segment, at) => drawSegment(states[at], segment, colours));
   const said = states.map(s => `${s.name} ${s.probability === null ? "" : chance(s.probability)} ${stateWords(s) || "present"}`).join("; ");
   const svg = draw("svg", { viewBox: "-214 -214 428 428", role: "img", "aria-label": `The Circle of Willis. ${said}.`, class: "circle" }, ...around, ...ring,
     draw("text", { x: -206, y: 6, class: "side", text: "R" }), draw("text", { x: 206, y: 6, class: "side", "text-anchor": "end", text: "L" }));
@@ -114,8 +98,7 @@ function variantList(phenotype, flies, called) {
   if (deciding.length) {
     const item = d => {
       const name = called?.(d.edge) ?? `connection ${d.edge} (${d.id_a} to ${d.id_b})`;
-      const go = flies ? make("button", { type: "button", text: name }) : make("span", { text: name });
-      if (flies) go.addEventListener("click", () => flies(d.edge));
+      const go = flies ? make("button", { type: "button", text: name, click: () => flies(d.edge) }) : make("span", { text: name });
       const own = d.probability === null ? "" : `, ${isChance(d.probability)}`;
       return make("li", {}, go, `${own}: in ${chance(d.share)} of the plausible topologies; ${chance(d.variant_with)} of those with it have the variant, ${chance(d.variant_without)} of those without it`);
     };

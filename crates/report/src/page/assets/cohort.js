@@ -107,8 +107,7 @@ function showDistribution() {
 function showRun() {
   byId("command").value = data.command;
   const entries = Object.entries(data.parameters).filter(([, v]) => v !== null && v !== false && !(Array.isArray(v) && v.length === 0));
-  byId("record").append(make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) =>
-    [make("dt", { text: name.replaceAll("_", " ") }), make("dd", { text: Array.isArray(value) ? value.join(", ") : shown(value, 7) })])));
+  byId("record").append(pairs(entries.map(([name, value]) => [name.replaceAll("_", " "), Array.isArray(value) ? value.join(", ") : shown(value, 7)])));
 }
 
 showAll(showSummary, showPersons, showFailures, showVariants, () => byId("sheet").append(sheet.element), showDistribution, showRun);

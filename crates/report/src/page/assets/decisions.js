@@ -108,32 +108,25 @@ class Decisions {
     this.put([[row, text || one.decision ? one : null]]);
   }
 
-  // Changes rows as one step that can be taken back.
-  put(changes) {
-    this.history.push({ rows: changes.map(([row]) => [row, this.made.get(row) ?? null]) });
-    this.set({ rows: changes });
-  }
-
-  // Other edits than now, as one step that can be taken back.
-  putEdits(edits, changes = []) {
-    this.history.push({ rows: changes.map(([row]) => [row, this.made.get(row) ?? null]), edits: this.edits });
-    this.set({ rows: changes, edits });
+  // Changes rows, and the edits where there are to be others, as one step that can be taken back.
+  put(rows, edits) {
+    this.history.push({ rows: rows.map(([row]) => [row, this.made.get(row) ?? null]), edits: edits && this.edits });
+    this.set({ rows, edits });
   }
 
   edit(decision, places) {
-    this.putEdits([...this.edits, this.now({ decision, places })]);
+    this.put([], [...this.edits, this.now({ decision, places })]);
   }
 
   // Decides how vessels pair where they touch, in one step: contacts, and an edit of these places in place of others, if there is one.
   pair(rows, places, others) {
     const rest = this.edits.filter(of => !others.includes(of.places));
-    const changes = rows.map(([row, decision]) => [row, this.after(row, decision)]);
-    if (places || rest.length < this.edits.length) this.putEdits([...rest, ...(places ? [this.now({ decision: "part", places })] : [])], changes);
-    else this.put(changes);
+    if (places) rest.push(this.now({ decision: "part", places }));
+    this.put(rows.map(([row, decision]) => [row, this.after(row, decision)]), places || rest.length < this.edits.length ? rest : undefined);
   }
 
   removeEdit(at) {
-    this.putEdits(this.edits.filter((_, i) => i !== at));
+    this.put([], this.edits.filter((_, i) => i !== at));
   }
 
   set({ rows, edits }) {
@@ -203,8 +196,7 @@ class Decisions {
       if (!["accept", "reject", "unsure"].includes(decision)) fault(`decision "${decision}"; expected accept, reject or unsure`);
       changes.set(row, { decision, who: cell("who"), when: cell("when"), comment: cell("comment") });
     });
-    if (edits.length) this.putEdits(edits, [...changes]);
-    else if (changes.size) this.put([...changes]);
+    if (edits.length || changes.size) this.put([...changes], edits.length ? edits : undefined);
     return changes.size + edits.length;
   }
 }

@@ -16,8 +16,7 @@ function binEdges(values) {
 // The bars of a column: the text and the subjects of each.
 function barsOf(column, rows) {
   if (column.text) {
-    const groups = new Map();
-    for (const row of rows) if (column.at(row) !== "") groups.set(column.at(row), [...groups.get(column.at(row)) || [], row]);
+    const groups = listedBy(rows.filter(row => column.at(row) !== "").map(row => [column.at(row), row]));
     const bars = [...groups].map(([text, rows]) => ({ text, rows })).sort((a, b) => b.rows.length - a.rows.length || (a.text < b.text ? -1 : 1));
     if (bars.length <= MOST_WORDS) return bars;
     const rest = bars.slice(MOST_WORDS - 1);

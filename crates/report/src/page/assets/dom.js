@@ -1,10 +1,11 @@
-// Elements and text. Data enters the page only through textContent and attributes, never as markup.
+// Elements and text. Data enters the page only through textContent and attributes, never as markup. A function is called at the event of its name.
 const SVG = "http://www.w3.org/2000/svg";
 const byId = id => document.getElementById(id);
 
 function furnish(element, attributes, children) {
   for (const [name, value] of Object.entries(attributes)) {
     if (name === "text") element.textContent = value;
+    else if (typeof value === "function") element.addEventListener(name, value);
     // States of accessibility are words: "true", "false".
     else if (name.startsWith("aria-") && typeof value === "boolean") element.setAttribute(name, String(value));
     else if (value !== null && value !== false) element.setAttribute(name, value === true ? "" : value);
@@ -30,12 +31,22 @@ const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/
 // The numbers from 0 to one less than n: the rows of a table.
 const upTo = n => [...Array(n).keys()];
 
+// What is listed under each key, in the order of `[key, item]`.
+function listedBy(pairs) {
+  const lists = new Map();
+  for (const [key, item] of pairs) if (lists.has(key)) lists.get(key).push(item); else lists.set(key, [item]);
+  return lists;
+}
+
 // `1 vessel`, `2 vessels`.
-const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
+const count = (n, one) => `${grouped(n)} ${n === 1 ? one : `${one}s`}`;
 
 const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
 const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;
+
+// A list of names and what they stand for.
+const pairs = entries => make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]));
 
 // Saves something as a file of a name.
 function save(blob, name) {

@@ -17,7 +17,7 @@ class Flows {
     const flow = !before && this.vessels.find("flow_mL_per_min_perturbed") || this.vessels.find("flow_mL_per_min"), { overlay, shape } = this.scene;
     overlay.changes = before ? [] : this.changed;
     overlay.arrows = this.rows.filter(row => Math.abs(flow.at(row)) > 1e-9).map(row => {
-      const { at, towards } = shape.halfway(row), sign = Math.sign(flow.at(row)), reversed = !before && this.reversed.has(row);
+      const { at, towards } = shape.course(row).at(0), sign = Math.sign(flow.at(row)), reversed = !before && this.reversed.has(row);
       return { at, towards: towards.map(d => sign * d), reversed, text: reversed ? "reversed" : "", strong: true };
     });
   }

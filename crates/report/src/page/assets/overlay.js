@@ -28,10 +28,6 @@ class Overlay {
     const [w, h] = size;
     ink.setTransform(scale, 0, 0, scale, 0, 0);
     ink.clearRect(0, 0, w, h);
-    this.paintOver(ink, w, h, withLegend);
-  }
-
-  paintOver(ink, w, h, withLegend) {
     ink.font = "13px system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
     ink.textBaseline = "middle";
     this.ring(ink, w, h);
@@ -62,6 +58,15 @@ class Overlay {
     ink.fillText(text, x, y);
   }
 
+  // A line through places in the view.
+  line(ink, colour, wide, ...places) {
+    ink.strokeStyle = colour;
+    ink.lineWidth = wide;
+    ink.beginPath();
+    for (const [x, y] of places) ink.lineTo(x, y);
+    ink.stroke();
+  }
+
   // A name beside its vessel, unless another stands there already.
   label(ink, w, h, { at, text, strong }, taken) {
     const [x, y] = this.on(w, h, at), wide = ink.measureText(text).width / 2 + 3;
@@ -69,12 +74,7 @@ class Overlay {
     if (box[1] < 0 || box[0] > w || box[3] < 0 || box[2] > h) return;
     if (taken.some(b => b[0] < box[1] && box[0] < b[1] && b[2] < box[3] && box[2] < b[3])) return;
     taken.push(box);
-    ink.strokeStyle = "#777";
-    ink.lineWidth = 1;
-    ink.beginPath();
-    ink.moveTo(x, y);
-    ink.lineTo(x + 9, y - 8);
-    ink.stroke();
+    this.line(ink, "#777", 1, [x, y], [x + 9, y - 8]);
     this.text(ink, text, x + 11, y - 9, { align: "left", weight: strong ? "bold" : "" });
   }
 
@@ -138,12 +138,7 @@ class Overlay {
     const { turn } = this.scene.camera, [x, y] = [w - 44, h - 44];
     const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.axes[axis] }));
     for (const arm of arms.sort((a, b) => a.z - b.z)) {
-      ink.strokeStyle = arm.z < -0.05 ? "#999" : "#333";
-      ink.lineWidth = 2;
-      ink.beginPath();
-      ink.moveTo(x, y);
-      ink.lineTo(x + 22 * arm.x, y + 22 * arm.y);
-      ink.stroke();
+      this.line(ink, arm.z < -0.05 ? "#999" : "#333", 2, [x, y], [x + 22 * arm.x, y + 22 * arm.y]);
       if (Math.hypot(arm.x, arm.y) > 0.25) this.text(ink, arm.name, x + 31 * arm.x, y + 31 * arm.y, { colour: "#333" });
     }
   }
@@ -152,14 +147,7 @@ class Overlay {
     const { camera } = this.scene, widest = Math.min(120, camera.size[0] / 3) * camera.mm;
     const ten = 10 ** Math.floor(Math.log10(widest));
     const length = [5, 2, 1].map(m => m * ten).find(l => l <= widest) || ten, wide = length / camera.mm;
-    ink.strokeStyle = "#1a1a1a";
-    ink.lineWidth = 2;
-    ink.beginPath();
-    ink.moveTo(12, h - 18);
-    ink.lineTo(12, h - 11);
-    ink.lineTo(12 + wide, h - 11);
-    ink.lineTo(12 + wide, h - 18);
-    ink.stroke();
+    this.line(ink, "#1a1a1a", 2, [12, h - 18], [12, h - 11], [12 + wide, h - 11], [12 + wide, h - 18]);
     this.text(ink, `${shown(length, 3)} mm`, 12 + wide / 2, h - 24);
   }
 

@@ -112,13 +112,9 @@ function showAnswer() {
 }
 
 function showFacts() {
-  const [warnings, facts] = [data.warnings || [], data.facts.filter(([, value]) => value !== null)];
-  byId("warnings").hidden = warnings.length === 0;
-  byId("warnings").append(...warnings.map(text => make("li", { text })));
-  const tiles = facts.map(([name, value, unit]) => make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit }))));
+  const tiles = data.facts.filter(([, value]) => value !== null).map(([name, value, unit]) => make("div", {}, make("dt", { text: name }), make("dd", {}, shown(value), " ", make("small", { text: unit }))));
   byId("facts").append(...tiles);
-  const { input, willis } = data.record;
-  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
+  showSource(data.warnings);
 }
 
 // Gives an image its source: an SVG is packed by gzip.
@@ -149,11 +145,8 @@ function showTables() {
     place.replaceChildren(sheet.element);
     if (picked >= 0) pick(picked, false);
   };
-  tabs.append(...tables.map((t, at) => {
-    const tab = make("button", { type: "button", role: "tab", id: `tab-${at}`, "aria-controls": "sheet", text: `${t.title} (${grouped(t.rows)})` });
-    tab.addEventListener("click", () => choose(at));
-    return tab;
-  }));
+  tabs.append(...tables.map((t, at) =>
+    make("button", { type: "button", role: "tab", id: `tab-${at}`, "aria-controls": "sheet", text: `${t.title} (${grouped(t.rows)})`, click: () => choose(at) })));
   tabs.addEventListener("keydown", event => {
     const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     const at = [...tabs.children].indexOf(event.target);
@@ -353,10 +346,9 @@ function showScene() {
   }
   scene = new SceneView(data.scene, vessels, frame, data.segmentation);
   slices = threshold ? new Slices(data.segmentation, data.image_places, scene.shape, frame, scene.camera.along) : null;
-  const names = { y: "y", x: "x", z: "z" };
   byId("sides-note").hidden = frame in ANATOMICAL;
   if (scene.sidesOfLabels) byId("sides-note").textContent = "The input states no frame: left and right in the view are those of the labels.";
-  if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
+  if (!(frame in ANATOMICAL)) for (const axis of ["y", "x", "z"]) document.querySelector(`[data-view=${axis}]`).textContent = axis;
   listen(scene, {
     pick: row => {
       if (edits?.open) { if (row >= 0) edits.take(scene.touched); }

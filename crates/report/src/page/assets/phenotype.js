@@ -1,7 +1,5 @@
 // Builds the page of a classification.
 function showPhenotype() {
-  const { input, willis } = data.record;
-  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
   byId("circle").hidden = false;
   showCircle(data.phenotype, data.colours, null);
 }
@@ -16,8 +14,7 @@ function showAnswer() {
     out.length ? `; too little is seen of ${out.join(", ")}` : "", takes.length ? `. The communicating artery that takes over: ${takes.join(", ")}` : "", ".");
   const frame = (record.notes || []).find(text => text.startsWith("no frame is stated")), said = frame?.replace(/^./, c => c.toUpperCase());
   const warnings = [frame && "Left and right are assumed: the file states no frame, and a mirrored file looks the same. --frame states it.", ...data.warnings.filter(text => text !== said)].filter(Boolean);
-  byId("warnings").hidden = warnings.length === 0;
-  byId("warnings").append(...warnings.map(text => make("li", { text })));
+  showSource(warnings);
   byId("of-run").hidden = !data.run;
   if (data.run) byId("of-run").append(make("a", { href: wayTo(data.run, "circle"), text: "The run that was classified, with its vessels and connections" }));
 }

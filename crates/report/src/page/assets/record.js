@@ -1,6 +1,9 @@
-// How a run was made: the command to repeat it, its notes, and its record.
-function pairs(entries) {
-  return make("dl", { class: "pairs" }, ...entries.flatMap(([name, value]) => [make("dt", { text: name }), make("dd", { text: value })]));
+// How a run was made: its input and warnings, the command to repeat it, its notes, and its record.
+function showSource(warnings) {
+  const { input, willis } = data.record;
+  byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
+  byId("warnings").hidden = warnings.length === 0;
+  byId("warnings").append(...warnings.map(text => make("li", { text })));
 }
 
 // A section of the record, with nested objects as one list.
@@ -30,7 +33,7 @@ function showRun() {
   });
   byId("notes").append(...(record.notes || []).map(text => make("li", { text })));
   const parts = Object.entries(record).filter(([, part]) => part && typeof part === "object" && !Array.isArray(part));
-  const loose = Object.entries(record).filter(([name, part]) => !["command"].includes(name) && (typeof part !== "object" || part === null));
+  const loose = Object.entries(record).filter(([name, part]) => name !== "command" && (typeof part !== "object" || part === null));
   byId("record").append(recordPart("run", Object.fromEntries(loose)), ...parts.map(([name, part]) => recordPart(name.replaceAll("_", " "), part)));
   (record.classes || []).forEach(part => byId("record").append(recordPart(`class ${part.class}`, part)));
 }

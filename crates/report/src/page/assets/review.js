@@ -83,14 +83,10 @@ class Review {
     const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : loop ? `in a loop of ${shown(loop, 2)} mm` : depend,
       touch ? "do vessels only touch there?" : isPlace ? "where does it go on?" : observed ? null : rivals ? count(rivals, "alternative") : "no alternative", comment];
     const rank = this.vessels.find("rank")?.at(row);
-    const go = make("button", { type: "button", class: "go" },
+    const go = make("button", { type: "button", class: "go", click: () => this.goes(row) },
       make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (isPlace ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
-    go.addEventListener("click", () => this.goes(row));
-    const choose = (text, label, which) => {
-      const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
-      button.addEventListener("click", () => this.decisions.decide([row], decision === which ? null : which));
-      return button;
-    };
+    const choose = (text, label, which) => make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which,
+      click: () => this.decisions.decide([row], decision === which ? null : which) });
     return make("li", { class: decision || null, "data-row": row, "data-state": threshold.state(row) },
       go, isPlace ? "" : make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
   }
@@ -134,8 +130,8 @@ class Review {
     const line = way => {
       const edit = this.decisions.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
       const made = all.every(([rows, decision]) => rowsIn(rows).every(at => this.decisions.of(at).decision === decision)) && (!edit || this.decisions.edits.some(of => of.places === edit));
-      const take = make("button", { type: "button", text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
-      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.decisions.partOf(way))));
+      const click = () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.decisions.partOf(way)));
+      const take = make("button", { type: "button", click, text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
       return make("li", {}, take, " ", make("small", { text: [Number.isNaN(of("probability")(way)) ? "" : isChance(of("probability")(way)), of("taken")(way) ? "taken by the run" : "", edit ? "an edit" : ""].filter(Boolean).join(" · ") }));
     };
     return make("div", { class: "pairings" }, make("p", { text: "Which vessels are one here (+), and which only touch (|):" }), make("ul", {}, ...ways.map(line)));
@@ -149,8 +145,7 @@ class Review {
     const heads = ["nr.", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
     const line = other => {
       const { bends, radii } = shape.junction(other, threshold);
-      const go = make("button", { type: "button", text: other, "aria-label": this.name(other), disabled: other === row });
-      go.addEventListener("click", () => this.goes(other));
+      const go = make("button", { type: "button", click: () => this.goes(other), text: other, "aria-label": this.name(other), disabled: other === row });
       const cells = [evidence ? chance(threshold.chance(other)) : shown(threshold.values[other], 3), shown(this.vessels.find("length_mm").at(other), 3),
         bends.map(b => Number.isNaN(b) ? "–" : Math.round(b)).join(", "), radii.map(r => Number.isNaN(r) ? "–" : shown(r, 2)).join(", "), threshold.state(other).split(",")[0]];
       return make("tr", { "aria-current": other === row ? "true" : null }, make("th", { scope: "row" }, go), ...cells.map(text => make("td", { text })));

@@ -139,10 +139,8 @@ class SceneView {
     this.picked = row;
     this.overlay.picked = null;
     if (row >= 0) {
-      const at = this.shape.middle(row), { points, starts } = this.geometry;
-      let reach = 1.5;
-      for (let i = starts[row]; i < starts[row + 1]; i++) reach = Math.max(reach, Math.hypot(...[0, 1, 2].map(axis => points[4 * i + axis] - at[axis])) + 2 * points[4 * i + 3]);
-      this.overlay.picked = { at, reach: Math.min(reach, 14) };
+      const at = this.shape.middle(row);
+      this.overlay.picked = { at, reach: Math.min(Math.max(this.shape.reach(row, at, 2), 1.5), 14) };
     }
     this.dress();
   }
@@ -156,9 +154,7 @@ class SceneView {
   // Flies to a vessel and isolates what is near it; `others` are rows that also stay, `likely` those that the view has to hold.
   goTo(row, others, likely) {
     const at = this.shape.middle(row), { points, starts } = this.geometry;
-    let reach = 0;
-    for (const one of [row, ...likely]) for (let i = starts[one]; i < starts[one + 1]; i++) reach = Math.max(reach, Math.hypot(...[0, 1, 2].map(axis => points[4 * i + axis] - at[axis])) + 3 * points[4 * i + 3]);
-    reach = Math.min(Math.max(1.6 * reach, 9), 40);
+    const reach = Math.min(Math.max(1.6 * Math.max(...[row, ...likely].map(one => this.shape.reach(one, at, 3))), 9), 40);
     this.near = new Set([row, ...others]);
     for (let one = 0; one < this.geometry.vessels; one++) {
       if (this.state(one) & (LOOK.pruned | LOOK.undecided)) continue;

@@ -15,33 +15,28 @@ class Shape {
     this.starts = starts;
   }
 
-  // The middle of a vessel along its course, mm.
-  middle(row) {
-    return this.halfway(row).at;
+  // A point, mm.
+  place(i) {
+    return [...this.points.subarray(4 * i, 4 * i + 3)];
   }
 
-  // The same with the direction of the course there.
-  halfway(row) {
-    const { points, starts } = this, [from, to] = [starts[row], starts[row + 1] - 1];
-    let left = 0;
-    const step = i => Math.hypot(...[0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]));
-    for (let i = from; i < to; i++) left += step(i) / 2;
-    for (let i = from; i < to; i++) {
-      const length = step(i);
-      if (left <= length) {
-        const towards = [0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]);
-        return { at: towards.map((d, axis) => points[4 * i + axis] + (length > 0 ? left / length : 0) * d), towards };
-      }
-      left -= length;
-    }
-    return { at: [0, 1, 2].map(axis => points[4 * from + axis]), towards: [0, 0, 0] };
+  // How far a vessel with so many of its radii reaches from a place, mm.
+  reach(row, at, radii) {
+    let reach = 0;
+    for (let i = this.starts[row]; i < this.starts[row + 1]; i++) reach = Math.max(reach, Math.hypot(...this.place(i).map((x, k) => x - at[k])) + radii * this.points[4 * i + 3]);
+    return reach;
+  }
+
+  // The middle of a vessel along its course, mm.
+  middle(row) {
+    return this.course(row).at(0).at;
   }
 
   // The course of a vessel: its length, and where it is and where it goes at a distance (mm) from its middle, straight on beyond its ends.
   course(row) {
-    const { points, starts } = this, place = i => [points[4 * i], points[4 * i + 1], points[4 * i + 2]], line = [];
+    const { starts } = this, line = [];
     for (let i = starts[row]; i < starts[row + 1]; i++) {
-      const p = place(i), last = line.at(-1), step = last ? Math.hypot(...p.map((x, k) => x - last.p[k])) : 0;
+      const p = this.place(i), last = line.at(-1), step = last ? Math.hypot(...p.map((x, k) => x - last.p[k])) : 0;
       if (!last || step > 0) line.push({ p, s: last ? last.s + step : 0 });
     }
     const length = line.at(-1).s;
@@ -49,7 +44,7 @@ class Shape {
       const s = by + length / 2;
       let k = 1;
       while (k < line.length - 1 && line[k].s < s) k += 1;
-      const [a, b] = [line[k - 1], line[k]], towards = a && b ? b.p.map((x, i) => (x - a.p[i]) / (b.s - a.s)) : [0, 0, 1];
+      const [a, b] = [line[k - 1], line[k]], towards = b ? b.p.map((x, i) => (x - a.p[i]) / (b.s - a.s)) : [0, 0, 0];
       return { at: a.p.map((x, i) => x + (s - a.s) * towards[i]), towards };
     };
     return { length, at };
@@ -59,25 +54,16 @@ class Shape {
   leaving(row, end) {
     const { points, starts } = this, step = end === 0 ? 1 : -1;
     const first = end === 0 ? starts[row] : starts[row + 1] - 1, last = end === 0 ? starts[row + 1] - 1 : starts[row];
-    const place = i => [points[4 * i], points[4 * i + 1], points[4 * i + 2]];
-    const from = place(first), far = Math.max(6 * points[4 * first + 3], 2);
+    const from = this.place(first), far = Math.max(6 * points[4 * first + 3], 2);
     let i = first;
-    while (i !== last && Math.hypot(...place(i).map((x, axis) => x - from[axis])) < far) i += step;
-    return { towards: place(i).map((x, axis) => x - from[axis]), radius: points[4 * first + 3] };
+    while (i !== last && Math.hypot(...this.place(i).map((x, axis) => x - from[axis])) < far) i += step;
+    return { towards: this.place(i).map((x, axis) => x - from[axis]), radius: points[4 * first + 3] };
   }
 
   // The bend (degrees) and the radius (mm) at both ends of a connection: against the vessel that goes on most nearly straight.
   junction(row, threshold) {
-    if (!this.at) {
-      this.at = new Map();
-      for (let other = 0; other < threshold.rows; other++) {
-        if (threshold.uncertain[other]) continue;
-        this.ends.forEach((of, end) => {
-          const list = this.at.get(of[other]);
-          if (list) list.push([other, end]); else this.at.set(of[other], [[other, end]]);
-        });
-      }
-    }
+    const certain = () => upTo(threshold.rows).filter(other => !threshold.uncertain[other]);
+    this.at ??= listedBy(certain().flatMap(other => this.ends.map((of, end) => [of[other], [other, end]])));
     const bends = [], radii = [];
     for (const end of [0, 1]) {
       const mine = this.leaving(row, end).towards;

@@ -86,16 +86,14 @@ class Slices {
 
   // Level, window and slab of the image, and what is shown.
   controls(volumes, again) {
-    const { set } = this, { held, shown } = volumes[0], whole = held[1] - held[0];
-    const slider = (name, key, range, value, take) => {
-      const input = make("input", { type: "range", ...range });
+    const { set } = this, { held } = volumes[0], whole = held[1] - held[0], [black, white] = this.shownOf(volumes[0]), step = whole / 200;
+    const slider = (name, key, range, value) => {
+      const input = make("input", { type: "range", ...range, input: () => { set[key] = Number(input.value); again(); } });
       input.value = value;
-      input.addEventListener("input", () => { set[key] = take(Number(input.value)); again(); });
       return make("label", {}, `${name} `, input);
     };
-    const middle = set.level ?? (shown[0] + shown[1]) / 2, wide = set.window ?? shown[1] - shown[0], step = whole / 200;
-    const parts = [slider("Level", "level", { min: held[0], max: held[1], step }, middle, Number), slider("Window", "window", { min: step, max: whole, step }, wide, Number),
-      slider("Slab, mm", "slab", { min: 0, max: 12, step: 0.6 }, set.slab, Number)];
+    const parts = [slider("Level", "level", { min: held[0], max: held[1], step }, (black + white) / 2), slider("Window", "window", { min: step, max: whole, step }, white - black),
+      slider("Slab, mm", "slab", { min: 0, max: 12, step: 0.6 }, set.slab)];
     if (volumes.length > 1) {
       const choice = make("select", {}, ...volumes.map(({ name }) => make("option", { value: name, text: name })));
       choice.value = set.of;
@@ -204,7 +202,7 @@ class Slices {
 
 // From mm to voxels.
 function inverseOf(affine) {
-  const [a, b, c] = affine.map(row => row.slice(0, 3)), cross = (u, v) => [0, 1, 2].map(k => u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+  const [a, b, c] = affine.map(row => row.slice(0, 3));
   const whole = dot(a, cross(b, c)), columns = [cross(b, c), cross(c, a), cross(a, b)], move = affine.map(row => row[3]);
   return [0, 1, 2].map(k => { const row = columns.map(column => column[k] / whole); return [...row, -dot(row, move)]; });
 }

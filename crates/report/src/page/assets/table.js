@@ -32,11 +32,7 @@ class Sheet {
     this.filter = make("input", { type: "search", id: "filter", placeholder: this.table.filterBy || "label, id, row …", autocomplete: "off" });
     this.filter.addEventListener("input", () => { this.words = this.filter.value.trim().toLowerCase(); this.page = 0; this.show(); });
     this.where = make("span", { role: "status" });
-    const turn = (text, label, by) => {
-      const button = make("button", { type: "button", text, "aria-label": label });
-      button.addEventListener("click", () => { this.page += by; this.show(); });
-      return button;
-    };
+    const turn = (text, label, by) => make("button", { type: "button", text, "aria-label": label, click: () => { this.page += by; this.show(); } });
     [this.back, this.on] = [turn("‹", "Previous page", -1), turn("›", "Next page", 1)];
     this.head = make("tr", {}, ...this.columns.map(column => this.heading(column)));
     this.body = make("tbody");
@@ -48,8 +44,7 @@ class Sheet {
   }
 
   heading(column) {
-    const button = make("button", { type: "button" }, ...worded(column.name));
-    button.addEventListener("click", () => this.sort(column));
+    const button = make("button", { type: "button", click: () => this.sort(column) }, ...worded(column.name));
     return make("th", { scope: "col", class: column.text ? "text" : null, "aria-sort": "none" }, button);
   }
 

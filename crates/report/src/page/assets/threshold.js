@@ -173,17 +173,10 @@ class Threshold {
   // The uncertain vessels at each free end of one.
   freeEnds(row) {
     if (!this.atFreeEnd) {
-      const degree = new Uint32Array(this.nodes);
-      for (let r = 0; r < this.rows; r++) if (this.isObserved(r)) for (const of of this.ends) degree[of[r]] += 1;
-      this.atFreeEnd = new Map();
-      for (let r = 0; r < this.rows; r++) {
-        if (!this.uncertain[r] || this.isObserved(r)) continue;
-        for (const of of this.ends) {
-          if (degree[of[r]] > 1) continue;
-          const list = this.atFreeEnd.get(of[r]);
-          if (list) list.push(r); else this.atFreeEnd.set(of[r], [r]);
-        }
-      }
+      const degree = new Uint32Array(this.nodes), all = upTo(this.rows);
+      for (const r of all) if (this.isObserved(r)) for (const of of this.ends) degree[of[r]] += 1;
+      const leaving = all.filter(r => this.uncertain[r] && !this.isObserved(r)).flatMap(r => this.ends.map(of => [of[r], r]));
+      this.atFreeEnd = listedBy(leaving.filter(([node]) => degree[node] <= 1));
     }
     return this.ends.map(of => this.atFreeEnd.get(of[row])).filter(Boolean);
   }
