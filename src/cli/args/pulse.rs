@@ -27,8 +27,8 @@ pub struct PulseArgs {
     harmonics: Option<usize>,
     /// The walls: Olufsen's law, one modulus times thickness, Young's modulus and a thickness, one wave speed, what the edges of the
     /// graph state, or rigid [default: graph where it states them, else olufsen]
-    #[arg(long, value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid", value_parser = for_option("wall", wall), allow_hyphen_values = true,
-        hide_short_help = true)]
+    #[arg(long, value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid", value_parser = for_option("wall", wall),
+        allow_hyphen_values = true, hide_short_help = true)]
     wall: Option<WallLaw>,
     /// The time constant of a wall that creeps (Kelvin-Voigt) [default: 0, an elastic wall]
     #[arg(long, value_name = "TIME", value_parser = figure("wall_viscosity", Dimension::Time), allow_hyphen_values = true,
