@@ -1,8 +1,9 @@
 //! Long work without the interpreter's lock, that Ctrl-C stops.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
@@ -21,19 +22,25 @@ const POLL: Duration = Duration::from_millis(50);
 #[pyclass(frozen, module = "willis._willis")]
 #[derive(Debug, Default)]
 pub struct Watch {
-    stopped: AtomicBool,
-    done: AtomicU64,
-    total: AtomicU64,
-    said: Mutex<Vec<(String, String)>>,
-    /// Whether somebody waits for what is finished, and what was when somebody last did or the work ended.
-    wanted: AtomicBool,
-    /// Whether the last part is kept for those who ask later, and whether it is the last.
-    is_kept: AtomicBool,
-    is_last: AtomicBool,
-    part: Mutex<Option<(PartialRun, f64)>>,
-    /// When sampling began.
-    begun: Mutex<Option<Instant>>,
+    state: Mutex<WatchState>,
+    /// Told of each part that is kept.
     arrived: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct WatchState {
+    is_stopped: bool,
+    /// Samples that are done, and all that there are to be.
+    samples: (u64, u64),
+    said: Vec<(String, String)>,
+    /// Whether somebody waits for what is finished, and what was when somebody last did or the work ended, with how long it took, s.
+    is_wanted: bool,
+    part: Option<(PartialRun, f64)>,
+    /// Whether the last part is kept for those who ask later, and whether it is the last.
+    is_kept: bool,
+    is_last: bool,
+    /// When sampling began.
+    begun: Option<Instant>,
 }
 
 #[pymethods]
@@ -41,39 +48,38 @@ impl Watch {
     #[new]
     #[pyo3(signature = (keep=false))]
     fn new(keep: bool) -> Self {
-        Self { is_kept: keep.into(), ..Self::default() }
+        Self { state: WatchState { is_kept: keep, ..WatchState::default() }.into(), ..Self::default() }
     }
 
     /// Asks the work to stop.
     fn stop(&self) {
-        self.stopped.store(true, Ordering::Relaxed);
+        self.state().is_stopped = true;
     }
 
     /// Samples that are done, and all that there are to be; 0 before sampling.
     fn samples(&self) -> (u64, u64) {
-        (self.done.load(Ordering::Relaxed), self.total.load(Ordering::Relaxed))
+        self.state().samples
     }
 }
 
 impl Watch {
-    fn take_said(&self) -> Vec<(String, String)> {
-        std::mem::take(&mut *self.said.lock().unwrap_or_else(PoisonError::into_inner))
+    fn state(&self) -> MutexGuard<'_, WatchState> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The part of the work that is finished and how long it took, s, waiting for its next step if need be; `None` where none came within `patience`.
     pub fn part(&self, patience: Duration) -> Option<(PartialRun, f64)> {
-        let part = self.part.lock().unwrap_or_else(PoisonError::into_inner);
-        self.wanted.store(!self.is_last.load(Ordering::Relaxed), Ordering::Relaxed);
-        let wanted = |_: &mut Option<(PartialRun, f64)>| self.wanted.load(Ordering::Relaxed);
-        let (part, _) = self.arrived.wait_timeout_while(part, patience, wanted).unwrap_or_else(PoisonError::into_inner);
-        part.clone()
+        let mut state = self.state();
+        state.is_wanted = !state.is_last;
+        let waited = self.arrived.wait_timeout_while(state, patience, |state| state.is_wanted);
+        waited.unwrap_or_else(PoisonError::into_inner).0.part.clone()
     }
 
     fn keep(&self, part: &PartialRun) {
-        let begun = *self.begun.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut kept = self.part.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = Some((part.clone(), begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64())));
-        self.wanted.store(false, Ordering::Relaxed);
+        let part = part.clone();
+        let mut state = self.state();
+        let seconds = state.begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+        (state.part, state.is_wanted) = (Some((part, seconds)), false);
         self.arrived.notify_all();
     }
 }
@@ -83,13 +89,13 @@ pub struct Follower<'a>(&'a Watch);
 
 impl Progress for Follower<'_> {
     fn report(&mut self, done: u64, total: u64) -> bool {
-        self.0.done.store(done, Ordering::Relaxed);
-        self.0.total.store(total, Ordering::Relaxed);
-        !self.0.stopped.load(Ordering::Relaxed)
+        let mut state = self.0.state();
+        state.samples = (done, total);
+        !state.is_stopped
     }
 
     fn finished(&mut self, part: &PartialRun) {
-        if self.0.wanted.load(Ordering::Relaxed) {
+        if self.0.state().is_wanted {
             self.0.keep(part);
         }
     }
@@ -97,16 +103,17 @@ impl Progress for Follower<'_> {
 
 impl Follow for Follower<'_> {
     fn step(&mut self, step: Step<'_>) {
-        if matches!(step, Step::Sampling { .. }) {
-            *self.0.begun.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-        }
         let said = said_of_step(&step);
-        self.0.said.lock().unwrap_or_else(PoisonError::into_inner).extend(said);
+        let mut state = self.0.state();
+        if matches!(step, Step::Sampling { .. }) {
+            state.begun = Some(Instant::now());
+        }
+        state.said.extend(said);
     }
 
     fn sampled(&mut self, part: &PartialRun, _is_complete: bool) {
-        if self.0.is_kept.load(Ordering::Relaxed) {
-            self.0.is_last.store(true, Ordering::Relaxed);
+        if self.0.state().is_kept {
+            self.0.state().is_last = true;
             self.0.keep(part);
         }
     }
@@ -141,6 +148,7 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
 }
 
 /// So many threads from now on, where a call does not say otherwise.
+#[pyfunction]
 pub fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
     pool(py, threads)?;
     THREADS.store(threads, Ordering::Relaxed);
@@ -173,11 +181,11 @@ pub fn interruptible<T: Send>(
     work: impl FnOnce(&mut Follower<'_>) -> willis::Result<T> + Send,
 ) -> PyResult<PyResult<T>> {
     let pool = own_pool(py, threads)?;
-    let (finished, waiting) = (Mutex::new(false), Condvar::new());
+    let (end, mut ended) = mpsc::channel::<()>();
     let (result, stopped_by) = std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
             // Dropped on a panic too, so that nobody waits for ever.
-            let _ends = Ends(&finished, &waiting);
+            let _end = end;
             let mut follower = Follower(watch);
             match &pool {
                 Some(pool) => pool.install(|| work(&mut follower)),
@@ -186,11 +194,8 @@ pub fn interruptible<T: Send>(
         });
         let mut stopped_by = None;
         loop {
-            let is_finished = py.detach(|| {
-                let finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
-                let waited = waiting.wait_timeout_while(finished, POLL, |finished| !*finished);
-                *waited.unwrap_or_else(PoisonError::into_inner).0
-            });
+            let ended = &mut ended;
+            let is_finished = py.detach(move || ended.recv_timeout(POLL)) == Err(RecvTimeoutError::Disconnected);
             if stopped_by.is_none()
                 && let Err(stop) = py.check_signals().and_then(|()| tell(watch, progress, say))
             {
@@ -211,17 +216,9 @@ pub fn interruptible<T: Send>(
     Ok(result.map_err(|error| raised(py, &error)))
 }
 
-struct Ends<'a>(&'a Mutex<bool>, &'a Condvar);
-
-impl Drop for Ends<'_> {
-    fn drop(&mut self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
-        self.1.notify_all();
-    }
-}
-
 fn tell(watch: &Watch, progress: Option<&Bound<'_, PyAny>>, say: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    for (heading, fact) in watch.take_said() {
+    let said = std::mem::take(&mut watch.state().said);
+    for (heading, fact) in said {
         if let Some(say) = say {
             say.call1((heading, fact))?;
         }

@@ -32,12 +32,6 @@ fn call(py: Python<'_>, words: Vec<String>) -> PyResult<()> {
     interruptible(py, &watch, None, None, None, |_| cli::call(words))?
 }
 
-/// So many threads from now on, where a call does not say otherwise.
-#[pyfunction]
-fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
-    interrupt::set_num_threads(py, threads)
-}
-
 /// The bytes that a size such as `2GiB` is; none where it is no size.
 #[pyfunction]
 fn byte_count(text: &str) -> Option<u64> {
@@ -66,32 +60,21 @@ fn write(
 }
 
 #[pymodule(gil_used = true)]
-fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
-    interrupt::remember_process();
-    m.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    m.add_class::<objects::Scan>()?;
-    m.add_class::<objects::Prepared>()?;
-    m.add_class::<objects::Run>()?;
-    m.add_class::<objects::Simulation>()?;
-    m.add_class::<objects::Modulation>()?;
-    m.add_class::<objects::Phenotype>()?;
-    m.add_class::<Watch>()?;
-    for function in [
-        wrap_pyfunction!(main, m)?,
-        wrap_pyfunction!(call, m)?,
-        wrap_pyfunction!(set_num_threads, m)?,
-        wrap_pyfunction!(byte_count, m)?,
-        wrap_pyfunction!(write, m)?,
-        wrap_pyfunction!(objects::read, m)?,
-        wrap_pyfunction!(objects::read_bytes, m)?,
-        wrap_pyfunction!(objects::phantom, m)?,
-        wrap_pyfunction!(objects::prepare, m)?,
-        wrap_pyfunction!(objects::simulate, m)?,
-        wrap_pyfunction!(objects::modulate, m)?,
-        wrap_pyfunction!(objects::classify, m)?,
-        wrap_pyfunction!(objects::run_from_bytes, m)?,
-    ] {
-        m.add_function(function)?;
+mod _willis {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::interrupt::{Watch, set_num_threads};
+    #[pymodule_export]
+    use super::objects::{Modulation, Phenotype, Prepared, Run, Scan, Simulation};
+    #[pymodule_export]
+    use super::objects::{classify, modulate, phantom, prepare, read, read_bytes, run_from_bytes, simulate};
+    #[pymodule_export]
+    use super::{byte_count, call, main, write};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::interrupt::remember_process();
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
-    Ok(())
 }

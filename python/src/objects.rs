@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
 use willis::internals::network::Edit;
 use willis::internals::output::StagedFolder;
-use willis::internals::report::Outcome;
 use willis::{
     BoundaryOptions, Change, ConnectionDecision, Error, GraphEdit, Inference, Input, ModulationOptions, Network, Result,
     SamplingOptions, SaveOptions, Silent, SimulationRun,
@@ -70,12 +69,7 @@ impl Scan {
     }
 
     /// The two nodes of each vessel (M, 2), the points of all vessels (P, 3) and their radii (P), mm, and where each vessel begins (M + 1).
-    #[allow(clippy::type_complexity, reason = "it is what Python gets")]
-    fn lines<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)>
-    {
+    fn lines<'py>(&self, py: Python<'py>) -> PyResult<tables::Lines<'py>> {
         tables::lines(py, &self.input.network)
     }
 }
@@ -177,12 +171,6 @@ pub fn run_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Run> {
     interruptible(py, &Watch::default(), None, None, None, |_| Inference::from_bytes(&bytes))?.map(|run| Run { run })
 }
 
-impl Run {
-    fn outcome(&self) -> Outcome<'_> {
-        self.run.outcome()
-    }
-}
-
 #[pymethods]
 impl Run {
     /// The graph that was sampled, with its conditions.
@@ -218,7 +206,7 @@ impl Run {
 
     /// The rows of the vessels whose decision is not certain.
     fn undecided<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.outcome().answer.undecided.iter().map(|row| *row as i64).collect::<Vec<i64>>().into_pyarray(py)
+        self.run.decision().undecided.iter().map(|row| *row as i64).collect::<Vec<i64>>().into_pyarray(py)
     }
 
     /// The columns of review.csv, where that is written.
@@ -256,7 +244,7 @@ impl Run {
 
     /// How many of the kept connections are expected to be wrong, and how many are missed; where there is evidence.
     fn expected(&self) -> Option<(f64, f64)> {
-        self.outcome().expected.map(|expected| (expected.wrong, expected.missed))
+        self.run.outcome().expected.map(|expected| (expected.wrong, expected.missed))
     }
 
     /// What the command says of it: facts under headings.
@@ -336,12 +324,11 @@ fn owned(run: SimulationRun<'_>) -> SimulationRun<'static> {
 
 /// Solves the flow in a network by the words of the command.
 #[pyfunction]
-pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Simulation> {
+pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>) -> PyResult<Simulation> {
     let made = detached(py, || {
         let (options, changes) = words::simulate(scan.path(), &words)?;
         let changes: Vec<(&str, Change)> = changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
-        let input = scan.input.as_ref().clone().with_command(line);
-        willis::simulate(&input, &changes, &options).map(owned)
+        willis::simulate(&scan.input, &changes, &options).map(owned)
     });
     made.map(|run| Simulation { run }).map_err(|e| raised(py, &e))
 }
@@ -395,20 +382,18 @@ pub struct Modulation {
 
 /// Modulates the resistances of a network by the words of the command.
 #[pyfunction]
-#[pyo3(signature = (scan, words, line, watch, threads=None, progress=None, say=None))]
-#[allow(clippy::too_many_arguments, reason = "it is called by keywords")]
+#[pyo3(signature = (scan, words, watch, threads=None, progress=None, say=None))]
 pub fn modulate(
     py: Python<'_>,
     scan: &Scan,
     words: Vec<String>,
-    line: String,
     watch: &Watch,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
     say: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Modulation> {
     interruptible(py, watch, threads, progress, say, |follower| {
-        let input = Arc::new(scan.input.as_ref().clone().with_command(line));
+        let input = scan.input.clone();
         let (boundary, options, threshold) = words::modulate(scan.path(), &input.network, &words)?;
         let record = willis::modulate_with(&input, &boundary, &options, threshold, follower)?.record().to_string();
         Ok(Modulation { input, boundary, options, threshold, record })
@@ -421,10 +406,10 @@ impl Modulation {
     fn save(&self, py: Python<'_>, folder: PathBuf, instances: bool, dpi: u32) -> PyResult<()> {
         let Self { input, boundary, options, threshold, .. } = self;
         interruptible(py, &Watch::default(), None, None, None, |follower| {
-            let staged = StagedFolder::new(&folder, false)?;
-            let run = willis::modulate_with(input, boundary, options, *threshold, follower)?;
-            run.write(&staged.path(), instances, &SaveOptions { dpi })?;
-            staged.commit()
+            StagedFolder::fill(&folder, false, |staged| {
+                let run = willis::modulate_with(input, boundary, options, *threshold, follower)?;
+                run.write(&staged.path(), instances, &SaveOptions { dpi })
+            })
         })?
     }
 }
@@ -437,10 +422,10 @@ pub struct Phenotype {
 
 /// Classifies the Circle of Willis of a scan, or of the folder of a run, by the words of the command.
 #[pyfunction]
-pub fn classify(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Phenotype> {
+pub fn classify(py: Python<'_>, scan: &Scan, words: Vec<String>) -> PyResult<Phenotype> {
     let found = interruptible(py, &Watch::default(), None, None, None, |_| {
         let (source, phenotypes) = words::classify(scan.path(), &words)?;
-        willis::classify(&scan.input.as_ref().clone().with_command(line), source.as_ref(), &phenotypes, &mut Silent)
+        willis::classify(&scan.input, source.as_ref(), &phenotypes, &mut Silent)
     })?;
     found.map(|phenotype| Phenotype { phenotype })
 }

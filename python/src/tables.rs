@@ -44,11 +44,11 @@ pub fn of_network<'py>(py: Python<'py>, network: &Network) -> PyResult<[Bound<'p
 
 /// The two nodes of each vessel, and the points of all vessels one after another: their positions and radii, mm, and where each vessel
 /// begins among them.
-#[allow(clippy::type_complexity, reason = "it is what Python gets")]
-pub fn lines<'py>(
-    py: Python<'py>,
-    network: &Network,
-) -> PyResult<(Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)> {
+pub type Lines<'py> =
+    (Bound<'py, PyArray2<i64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
+
+/// The lines of a network.
+pub fn lines<'py>(py: Python<'py>, network: &Network) -> PyResult<Lines<'py>> {
     let (mut ends, mut points, mut radii, mut first) = (Vec::new(), Vec::new(), Vec::new(), vec![0_i64]);
     for ([a, b], vessel) in network.vessels() {
         ends.extend([a as i64, b as i64]);

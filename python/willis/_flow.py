@@ -109,7 +109,7 @@ def simulate(
     }
     network = network_of(source)
     made = words(given, defaults_of(simulate))
-    return Simulation(_willis.simulate(network._scan, network._reading + made, ""))
+    return Simulation(_willis.simulate(network._scan, network._reading + made))
 
 
 class Modulation:
@@ -161,5 +161,5 @@ def modulate(
     defaults = {**defaults_of(modulate), "classes": "0:0.2,0.2:0.3,0.3:0.5"}
     all_words = network._reading + words(given, defaults)
     watch = _willis.Watch()
-    work = lambda told: _willis.modulate(network._scan, all_words, "", watch, threads, told, say)  # noqa: E731
+    work = lambda told: _willis.modulate(network._scan, all_words, watch, threads, told, say)  # noqa: E731
     return Modulation(followed(progress, work))

@@ -59,7 +59,7 @@ def classify(
             warnings.simplefilter("ignore", Note)
         is_folder = isinstance(given, (str, os.PathLike)) and Path(given).is_dir()
         network = read_run(given) if is_folder else network_of(given)
-        found = _willis.classify(network._scan, network._reading + made, "")
+        found = _willis.classify(network._scan, network._reading + made)
     for note in found.notes:
         say("note", note)
     return Phenotype(found)

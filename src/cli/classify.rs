@@ -68,9 +68,7 @@ impl ClassifyArgs {
         let read = self.files(&input);
         check_output(&self.output, force, read.iter().map(|path| &**path).chain([&*input]))?;
         let phenotype = self.phenotype(&input, command_line("again"), terminal)?;
-        let folder = StagedFolder::new(&self.output, force)?;
-        phenotype.write(&folder.path(), &name_of(&input))?;
-        folder.commit()?;
+        StagedFolder::fill(&self.output, force, |folder| phenotype.write(&folder.path(), &name_of(&input)))?;
         if self.json {
             print_json(&phenotype.json)?;
         }

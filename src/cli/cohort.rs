@@ -249,9 +249,7 @@ impl Cohort<'_> {
         let files = ledger.subjects.iter().flat_map(|entry| entry.files.keys()).map(Path::new);
         check_output(self.output, self.force, files.chain(subjects.iter().map(|subject| &*subject.input)))?;
         let empty = Ledger { subjects: Vec::new(), ..ledger.clone() };
-        let folder = StagedFolder::new(self.output, self.force)?;
-        empty.write(&folder.path())?;
-        folder.commit()?;
+        StagedFolder::fill(self.output, self.force, |folder| empty.write(&folder.path()))?;
         Ok(empty)
     }
 
@@ -272,9 +270,7 @@ impl Cohort<'_> {
     fn subject(&self, subject: &Subject, work: &impl Work, terminal: TextTerminal) -> Result<()> {
         terminal.say("subject", &subject.name);
         check_files(subject, work.files(&subject.input))?;
-        let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
-        work.write(subject, &folder, terminal)?;
-        folder.commit()
+        StagedFolder::fill(&self.output.join(&subject.name), false, |folder| work.write(subject, folder, terminal))
     }
 
     /// The record of a subject that stands.
@@ -393,9 +389,7 @@ impl Failure {
 
     /// Writes its folder.
     pub fn write(&self, output: &Path, force: bool) -> Result<()> {
-        let folder = StagedFolder::new(output, force)?;
-        write_json(&folder.path().join(FAILURE), self)?;
-        folder.commit()
+        StagedFolder::fill(output, force, |folder| write_json(&folder.path().join(FAILURE), self))
     }
 }
 
@@ -447,10 +441,11 @@ pub fn gather(
     }
     let cohort = Cohort { parameters, ..*cohort };
     check_output(output, cohort.force, folders.iter().map(|folder| &**folder))?;
-    let folder = StagedFolder::new(output, cohort.force)?;
-    Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
-    cohort.write_table(&folder.path(), &rows)?;
-    folder.commit()?;
+    let ledger = Ledger::new(cohort.command, &cohort.parameters, entries.collect());
+    StagedFolder::fill(output, cohort.force, |folder| {
+        ledger.write(&folder.path())?;
+        cohort.write_table(&folder.path(), &rows)
+    })?;
     for row in &rows {
         if let Err(error) = &row.figures {
             terminal.say("failed", format!("{}: {error}", row.subject));

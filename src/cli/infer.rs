@@ -250,10 +250,7 @@ impl Inferences {
     fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<RunRecord>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen(1);
-        let folder = StagedFolder::new(output, force)?;
-        let records = self.write(&prepared, &folder, terminal)?;
-        folder.commit()?;
-        Ok(records)
+        StagedFolder::fill(output, force, |folder| self.write(&prepared, folder, terminal))
     }
 
     /// Writes the folder of an input, or one in it for each of several occlusion probabilities.

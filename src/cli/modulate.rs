@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::{boundary_for, unfed, viscosity, whole, words};
+use super::args::{boundary_for, for_option, unfed, viscosity, whole, words};
 use super::print::{TextTerminal, brief, plural};
 use super::{
     args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::is_stopped,
@@ -27,7 +27,7 @@ pub struct ModulateArgs {
     output: PathBuf,
     /// The classes of u, each drawn uniformly in [LOW, HIGH)
     #[arg(long, value_name = "LOW:HIGH,...", value_delimiter = ',', default_value = "0:0.2,0.2:0.3,0.3:0.5",
-        help_heading = "Modulation", value_parser = parse_class, allow_hyphen_values = true)]
+        help_heading = "Modulation", value_parser = for_option("classes", parse_class), allow_hyphen_values = true)]
     classes: Vec<Class>,
     /// How many instances of each class to draw
     #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
@@ -127,10 +127,10 @@ impl ModulateArgs {
 }
 
 /// `LOW:HIGH`.
-fn parse_class(text: &str) -> Result<Class> {
+fn parse_class(text: &str) -> Result<Class, String> {
     let number = |text: &str| text.trim().parse().ok();
     let class = text.split_once(':').and_then(|(low, high)| Some(Class { low: number(low)?, high: number(high)? }));
-    class.ok_or_else(|| Error::parameter("classes", format!("\"{text}\""), "expected LOW:HIGH with 0 <= low < high < 1"))
+    class.ok_or_else(|| "expected LOW:HIGH with 0 <= low < high < 1".into())
 }
 
 /// Per vessel whether it is called by one of the `names`.

@@ -2,14 +2,14 @@
 
 use std::{path::Path, path::PathBuf, time::Instant};
 
-use super::args::{boundary_for, unfed, viscosity, whole};
+use super::args::{boundary_for, for_option, unfed, viscosity, whole};
 use super::{
     args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, print::TextTerminal,
     print::flow::say_simulated, shell::print_json, subjects::check_output,
 };
 use crate::internals::network::quantity::Dimension;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, Error, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
+use crate::{BoundaryOptions, Change, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 
 const SEVERITY: &str =
     "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";
@@ -56,13 +56,13 @@ pub struct SimulateArgs {
 #[command(next_help_heading = "Perturbations (VESSEL is a label, or edge:ROW; several with commas)")]
 struct ChangeArgs {
     /// Narrow a vessel by a share of its diameter, or of its area; @ narrows a stretch of it only
-    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', value_parser = change("stenosis", parse_stenosis), allow_hyphen_values = true)]
+    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', value_parser = for_option("stenosis", parse_stenosis), allow_hyphen_values = true)]
     stenosis: Vec<(String, Change)>,
     /// Close a vessel
     #[arg(long, value_name = "VESSEL", value_delimiter = ',', allow_hyphen_values = true)]
     occlude: Vec<String>,
     /// Lengthen a vessel by a factor of at least 1
-    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', value_parser = change("tortuosity", parse_tortuosity), allow_hyphen_values = true)]
+    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', value_parser = for_option("tortuosity", parse_tortuosity), allow_hyphen_values = true)]
     tortuosity: Vec<(String, Change)>,
 }
 
@@ -99,19 +99,8 @@ impl SimulateArgs {
     }
 }
 
-/// A parser of `VESSEL=...`, whose errors name the option.
-fn change(
-    option: &'static str,
-    parse: fn(&str) -> Result<(&str, Change), String>,
-) -> impl Fn(&str) -> Result<(String, Change)> + Clone + Send + Sync + 'static {
-    move |text| {
-        let (name, change) = parse(text).map_err(|why| Error::parameter(option, format!("\"{text}\""), why))?;
-        Ok((name.to_owned(), change))
-    }
-}
-
 /// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.
-fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
+fn parse_stenosis(text: &str) -> Result<(String, Change), String> {
     let (name, value) = text.rsplit_once('=').ok_or(SEVERITY)?;
     let (severity, place) = value.split_once('@').map_or((value, None), |(severity, place)| (severity, Some(place)));
     let stretch = place.map(stretch).transpose()?;
@@ -126,7 +115,7 @@ fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     let reduction = percent / 100.0;
     let narrowed = if of_area { Stenosis::of_area(reduction) } else { Stenosis::of_diameter(reduction) };
     let over = |(place, length)| Stenosis { stretch: Some(length), place, ..narrowed };
-    Ok((name, Change::Stenosis(stretch.map_or(narrowed, over))))
+    Ok((name.to_owned(), Change::Stenosis(stretch.map_or(narrowed, over))))
 }
 
 /// The place and the length (m) in `mid:10mm`, `start:10mm` or `end:10mm`: only a pulse notices where the stretch lies.
@@ -140,9 +129,10 @@ fn stretch(place: &str) -> Result<(StretchPlace, f64), String> {
 }
 
 /// `VESSEL=FACTOR`.
-fn parse_tortuosity(text: &str) -> Result<(&str, Change), String> {
+fn parse_tortuosity(text: &str) -> Result<(String, Change), String> {
     const ACCEPTED: &str = "expected VESSEL=FACTOR with a factor of length of at least 1, such as 1.3";
     let (name, factor) = text.rsplit_once('=').ok_or(ACCEPTED)?;
     let factor: f64 = factor.trim().parse().map_err(|_| ACCEPTED)?;
-    if factor.is_finite() && factor >= 1.0 { Ok((name, Change::Tortuosity(factor))) } else { Err(ACCEPTED.into()) }
+    let is_longer = factor.is_finite() && factor >= 1.0;
+    if is_longer { Ok((name.to_owned(), Change::Tortuosity(factor))) } else { Err(ACCEPTED.into()) }
 }

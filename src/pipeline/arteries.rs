@@ -116,13 +116,8 @@ impl FoundArteries {
     /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
     pub fn write_landmarks(&self, folder: &Path) -> Result<()> {
         let Some((format, text)) = &self.copy else { return Ok(()) };
-        let [csv, markups, fcsv] = LANDMARKS;
-        let name = match format {
-            LandmarkFormat::Csv => csv,
-            LandmarkFormat::Markups => markups,
-            LandmarkFormat::Fcsv => fcsv,
-        };
-        write_file(&folder.join(name), |out| out.write_all(text.as_bytes()))
+        // In the order of the formats.
+        write_file(&folder.join(LANDMARKS[*format as usize]), |out| out.write_all(text.as_bytes()))
     }
 
     /// What topologies say of the circle, with what names say where the arteries were named.
@@ -183,7 +178,7 @@ impl FoundArteries {
     pub fn boundary(&self, network: &Network, outlets: FoundOutlets) -> Result<Boundary> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
-        Boundary::resolve_knowing(&network, &stated(&network), outlets, &self.known_inlets(&network))
+        Boundary::resolve_knowing(&network, &stated(&network), outlets, &self.circle.labelled_inlets(&network))
     }
 
     /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in
@@ -195,11 +190,6 @@ impl FoundArteries {
         self.state_inlets(&mut graph);
         let boundary = boundary.held(&graph, |row| kept[row]);
         collaterals(&self.circle, &graph, |row| kept[row], &boundary, viscosity)
-    }
-
-    /// The nodes where blood comes in by the names of arteries.
-    pub fn known_inlets(&self, network: &Network) -> Vec<usize> {
-        self.circle.labelled_inlets(network)
     }
 
     /// Makes inlets of the landmarks where blood comes in, unless the input states what they are.

@@ -307,9 +307,7 @@ impl Inference {
     ///
     /// The folder exists, or cannot be written.
     pub fn save(&self, folder: &Path, options: &SaveOptions) -> Result<Vec<String>> {
-        let staged = StagedFolder::new(folder, false)?;
-        let (_, notes) = self.write(&staged.path(), options)?;
-        staged.commit()?;
+        let (_, notes) = StagedFolder::fill(folder, false, |staged| self.write(&staged.path(), options))?;
         Ok(notes)
     }
 

@@ -27,7 +27,7 @@ pub use input::{Contents, Input, read, read_bytes, read_run};
 pub use label::{Labelled, label};
 pub use measure::{ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, two_groups};
 pub use options::{ArterySource, FlowOptions, InferOptions, PhenotypeOptions, Preset, PulseMean, PulseOptions, RunOptions};
-pub use prepare::{nothing_built, prepare};
+pub use prepare::prepare;
 pub use progress::{Follow, Silent, Step};
 pub use simulate::{modulate, modulate_with, simulate, simulate_with, solver_model};
 pub use source_file::{ModelSource, SourceFile, of_word, require, require_in};

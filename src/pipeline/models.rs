@@ -155,31 +155,30 @@ impl LoadedPrior {
         if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior. The image as it was
-    /// measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
+    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior; a ready graph, of which
+    /// none are built, stays. The image as it was measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
     pub(crate) fn graph(
         &self,
         network: Network,
-        is_fragments: bool,
         given: &[Given],
-        options: &CandidateOptions,
+        building: Option<&CandidateOptions>,
         view: Option<View>,
     ) -> Result<(Network, Option<Looked>, Option<String>)> {
         let (mut looked, mut unlike) = (None, None);
-        let mut graph = match &self.model {
-            _ if !is_fragments => network,
-            PriorModel::Evidence(weights) => {
+        let mut graph = match (&self.model, building) {
+            (_, None) => network,
+            (PriorModel::Evidence(weights), Some(options)) => {
                 let inlets: Vec<usize> = given.iter().filter(|g| g.role == Role::Inlet).map(|g| g.node).collect();
                 let (graph, note) = build_with_evidence(&network, &inlets, options, weights)?;
                 unlike = note;
                 graph
             }
-            PriorModel::Joins(model) => {
+            (PriorModel::Joins(model), Some(options)) => {
                 let (graph, found) = build_joins(&network, options, model, view)?;
                 looked = found;
                 graph
             }
-            _ => build(&network, options)?,
+            (_, Some(options)) => build(&network, options)?,
         };
         if let PriorModel::Table(bytes, path) = &self.model {
             let read = if ending(path) == "csv" { read_prior_csv } else { read_prior_npy };

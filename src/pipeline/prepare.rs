@@ -1,6 +1,6 @@
 //! From an input to the graph that is sampled: files, vessels, candidates, contacts, decisions, arteries and boundary conditions, in this order.
 
-use std::{fs::File, io::Read, path::PathBuf, sync::Arc};
+use std::{fs::File, io::Read, path::Path, path::PathBuf, sync::Arc};
 
 use super::models::{Contacts, Cuts, LoadedPrior};
 use super::prepared::{EarlyArteries, EarlyKnowledge, SourceRecords};
@@ -9,7 +9,7 @@ use super::{
     Step, arteries, arteries::FoundArteries, decisions::Decidable, decisions::DecisionList, picture::ImageRecord,
     picture::image_places, progress::Notes, require,
 };
-use crate::{Appearance, CandidateOptions, Error, FoundOutlets, Network, Result, Scale};
+use crate::{Appearance, CandidateOptions, Error, Network, Result};
 use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};
 use willis_io::{formats::Format, masks::View};
 use willis_models::naming::nothing_named;
@@ -26,23 +26,26 @@ const NOTHING_UNCERTAIN: &str =
 /// As [`infer`](crate::infer), before any sample.
 pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Arc<Prepared>> {
     options.validate()?;
-    let (mut loaded, view) = Loaded::read(&input, options)?;
+    let loaded = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
+    let path = PathBuf::from(&input.provenance.input);
+    let outlets = options.boundary.found_outlets.unwrap_or(input.usual_outlets());
+    let inlets_by_labels = input.inlets_by_labels();
 
-    let by_labels = matches!(loaded.arteries, Some(ArterySource::AnyLabels | ArterySource::Labels(_)));
-    let mut vessels = if by_labels && loaded.is_fragments { input.divided_by_labels() } else { input.network };
+    let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
+    let by_labels = matches!(source, Some(ArterySource::AnyLabels | ArterySource::Labels(_)));
+    let mut vessels = if by_labels && input.is_fragments { input.divided_by_labels() } else { input.network };
     let own_nodes = if matches!(input.contents, Contents::Centerlines(_)) { 0 } else { vessels.node_count() };
-    let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
+    let run = RunOptions { read: input.options, infer: InferOptions { arteries: source, ..options.clone() } };
+    let early = EarlyArteries::find(&vessels, &path, &run, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
-    let (graph, looked, unlike) = loaded.prior.graph(vessels, loaded.is_fragments, &given, &loaded.building, view)?;
+    let (graph, looked, unlike) = loaded.prior.graph(vessels, &given, loaded.building.as_ref(), loaded.view)?;
     // The image as it was measured, where it shows the vessels, and why it does not.
     let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
-    if loaded.is_fragments {
-        let by_evidence = loaded.prior.is_evidence();
-        notes.follow.step(Step::Built { graph: &graph, options: &loaded.building, by_evidence });
-        // Said with the step.
-        notes.kept.extend(nothing_built(&graph, &loaded.building).map(str::to_owned));
+    if let Some(building) = &loaded.building {
+        notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: loaded.prior.is_evidence() });
+        nothing_built(&graph, building).into_iter().for_each(|note| notes.say(note.to_owned()));
     }
     let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), &loaded.prior));
     remarks.into_iter().flatten().for_each(|note| notes.say(note));
@@ -52,21 +55,20 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     };
     let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() };
     let keep = options.keep.unwrap_or(loaded.prior.usual_rule(&undecided.graph));
-    let decided = loaded.decisions.take().map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
+    let decided = loaded.decisions.map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
     let before = decided.is_some().then(|| Arc::new(undecided.clone()));
     let Decidable { graph, contacts, uniform_prior } = match &decided {
         Some(decided) => undecided.decided(decided)?,
         None => undecided,
     };
-    let early = EarlyKnowledge { given, inlets_by_labels: loaded.inlets_by_labels, arteries: early };
-    let run = RunOptions { read: input.options, infer: InferOptions { arteries: loaded.arteries, ..options.clone() } };
-    let arteries = early.arteries(&graph, &loaded.path, &run)?;
-    let boundary = early.boundary(&graph, arteries.as_ref(), loaded.outlets, options, notes.follow)?;
+    let early = EarlyKnowledge { given, inlets_by_labels, arteries: early };
+    let arteries = early.arteries(&graph, &path, &run)?;
+    let boundary = early.boundary(&graph, arteries.as_ref(), outlets, options, notes.follow)?;
 
-    let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
+    let nothing = loaded.building.is_none() && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
     let unused = arteries.as_ref().and_then(|found| note_on_names(&options.phenotypes, found));
-    let said = loaded.notes.clone().into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
+    let said = loaded.notes.into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
     let said = said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &early.given));
     said.for_each(|note| notes.say(note));
     let image_places = scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
@@ -83,7 +85,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         own_nodes,
         boundary,
         provenance: Provenance { notes: notes.kept, ..input.provenance },
-        outlets: loaded.outlets,
+        outlets,
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
@@ -94,37 +96,28 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         uniform_prior,
         undecided: before,
         early,
-        candidates: loaded.is_fragments.then_some(loaded.building),
+        candidates: loaded.building,
         options: run,
         arteries,
         started: input.started,
     }))
 }
 
-/// What the options of a run mean for an input, with every file that they name.
-struct Loaded<'a> {
-    options: &'a InferOptions,
-    path: PathBuf,
-    scale: Scale,
-    is_fragments: bool,
-    /// What outlets are that are found.
-    outlets: FoundOutlets,
-    /// Where blood comes in by labels.
-    inlets_by_labels: Vec<usize>,
-    /// How the arteries are known, where they are asked for.
-    arteries: Option<ArterySource>,
+/// The files that the options of a run name, and how candidates are built by them.
+struct Loaded {
     prior: LoadedPrior,
-    building: CandidateOptions,
+    /// None for a ready graph.
+    building: Option<CandidateOptions>,
     cuts: Option<Cuts>,
     /// What to tell a person of options that change nothing.
     notes: Vec<String>,
     image: Option<ImageRecord>,
+    view: Option<View>,
     decisions: Option<DecisionList>,
 }
 
-impl<'a> Loaded<'a> {
-    /// Reads the files; beside them the image.
-    fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
+impl Loaded {
+    fn read(input: &Input, options: &InferOptions) -> Result<Self> {
         let is_fragments = input.is_fragments;
         let kind =
             willis_models::candidates::resample::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
@@ -139,35 +132,19 @@ impl<'a> Loaded<'a> {
         let (image, view) = ImageRecord::load(options, &prior, &input.options, is_fragments)?.unzip();
         let k = options.candidates.k.or(Some(prior.usual_k()));
         let building = CandidateOptions { k, radius_rule: input.options.radius_rule, ..options.candidates.clone() };
-        let loaded = Self {
-            options,
-            path: input.provenance.input.clone().into(),
-            scale: input.options.scale,
-            is_fragments,
-            outlets: options.boundary.found_outlets.unwrap_or(input.usual_outlets()),
-            inlets_by_labels: input.inlets_by_labels(),
-            arteries: options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow)),
-            prior,
-            building,
-            cuts,
-            notes,
-            image,
-            decisions: options.decisions.as_deref().map(DecisionList::read).transpose()?,
-        };
-        Ok((loaded, view))
-    }
-
-    /// The arteries of a network by landmarks or labels.
-    fn find(&self, source: &ArterySource, network: &Network) -> Result<FoundArteries> {
-        source.find(&self.path, network, &self.scale, &self.options.phenotypes)
+        let decisions = options.decisions.as_deref().map(DecisionList::read).transpose()?;
+        Ok(Self { prior, building: is_fragments.then_some(building), cuts, notes, image, view, decisions })
     }
 }
 
 impl EarlyArteries {
-    fn find(vessels: &Network, loaded: &Loaded<'_>, notes: &mut Notes<'_>) -> Result<Self> {
-        let found = match &loaded.arteries {
-            Some(source) if source.file().is_some() => return loaded.find(source, vessels).map(Self::Landmarks),
-            Some(ArterySource::Geometry) => Self::by_geometry(vessels, loaded),
+    fn find(vessels: &Network, path: &Path, run: &RunOptions, loaded: &Loaded, notes: &mut Notes<'_>) -> Result<Self> {
+        let known = &run.infer.phenotypes;
+        let found = match &run.infer.arteries {
+            Some(source @ ArterySource::Landmarks(_)) => {
+                return source.find(path, vessels, &run.read.scale, known).map(Self::Landmarks);
+            }
+            Some(ArterySource::Geometry) => Self::by_geometry(vessels, path, run, loaded),
             _ => return Ok(Self::Nothing),
         };
         match found {
@@ -180,12 +157,12 @@ impl EarlyArteries {
         }
     }
 
-    fn by_geometry(vessels: &Network, loaded: &Loaded<'_>) -> Result<Self> {
-        let models = loaded.options.phenotypes.models()?;
-        let given = loaded.options.boundary.given(vessels, &mut Silent)?;
-        let (graph, ..) = loaded.prior.graph(vessels.clone(), loaded.is_fragments, &given, &loaded.building, None)?;
-        let names = models.name(&graph).ok_or_else(|| nothing_named(&graph).in_file(&loaded.path))?;
-        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names.bearings), &models)?;
+    fn by_geometry(vessels: &Network, path: &Path, run: &RunOptions, loaded: &Loaded) -> Result<Self> {
+        let models = run.infer.phenotypes.models()?;
+        let given = run.infer.boundary.given(vessels, &mut Silent)?;
+        let (graph, ..) = loaded.prior.graph(vessels.clone(), &given, loaded.building.as_ref(), None)?;
+        let names = models.name(&graph).ok_or_else(|| nothing_named(&graph).in_file(path))?;
+        let found = arteries::by_geometry(path, vessels, Some(&names.bearings), &models)?;
         Ok(Self::Geometry(found, names.bearings))
     }
 
@@ -211,7 +188,7 @@ fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
 }
 
 /// That there is no candidate, and what may help.
-pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
+fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
     let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == Origin::Candidate);
     (!candidates).then_some(match options.max_gap {
         Some(_) => "no free end has another vessel within `max_gap`; a larger one may help",

@@ -138,7 +138,7 @@ impl EarlyKnowledge {
         options: &InferOptions,
         follow: &mut dyn Follow,
     ) -> Result<Boundary> {
-        let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.known_inlets(graph));
+        let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.circle.labelled_inlets(graph));
         let boundary = Boundary::resolve_knowing(graph, &self.given, outlets, &known)?;
         let all_stated = boundary.found_outlets.is_empty() && arteries.is_none_or(|found| found.circle.outlets().is_empty());
         if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {

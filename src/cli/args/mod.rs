@@ -11,8 +11,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crate::{
     Appearance, ArterySource, Attach, BoundaryOptions, CandidateRadius, Cut, Error, InferOptions, LabelScheme, PhenotypeOptions,
     Prior, Result, Unfed, internals::formats::Format, internals::formats::FormatTrait, internals::network::quantity::Dimension,
-    internals::network::units::millimetres, internals::pipeline::of_word, internals::pipeline::require,
-    internals::support::endings::without_ending,
+    internals::network::units::millimetres, internals::pipeline::of_word, internals::support::endings::without_ending,
 };
 
 /// A parser for an enum of the library by the words that serde writes, each with its help.
@@ -82,18 +81,25 @@ pub fn spacing(text: &str) -> Result<Spacing, String> {
     text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres)).map(Some)
 }
 
+/// A parser whose errors name the option that a text was given to.
+pub fn for_option<T>(
+    option: &'static str,
+    parse: impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static,
+) -> impl Fn(&str) -> Result<T> + Clone + Send + Sync + 'static {
+    move |text| parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))
+}
+
 /// A parser of a figure with its unit, SI, for an option of this name.
 pub fn figure(option: &'static str, dimension: Dimension) -> impl Fn(&str) -> Result<f64> + Clone + Send + Sync + 'static {
-    move |text| dimension.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))
+    for_option(option, move |text| dimension.parse(text))
 }
 
 /// A parser of a positive length, m, for an option of this name.
 pub fn length(option: &'static str) -> impl Fn(&str) -> Result<f64> + Clone + Send + Sync + 'static {
-    let parse = figure(option, Dimension::Length);
-    move |text| {
-        let length = parse(text)?;
-        require(length > 0.0, option, format!("\"{text}\""), "expected a positive length").map(|()| length)
-    }
+    for_option(option, |text| {
+        let length = Dimension::Length.parse(text)?;
+        if length > 0.0 { Ok(length) } else { Err("expected a positive length".into()) }
+    })
 }
 
 /// Viscosity, Pa s, from `--viscosity`.

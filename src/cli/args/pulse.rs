@@ -1,6 +1,6 @@
 //! `--pulse` and its options, with their conversion to those of the library.
 
-use super::{figure, whole};
+use super::{figure, for_option, whole};
 use crate::{
     Error, Friction, PulseMean, PulseOptions, Result, Thickness, WallLaw, internals::network::INLET_PRESSURE,
     internals::network::quantity::Dimension, internals::network::units::mmhg, internals::pipeline::of_word,
@@ -20,25 +20,25 @@ pub struct PulseArgs {
     #[arg(long, value_name = "TIME", value_parser = figure("period", Dimension::Time), hide_short_help = true)]
     period: Option<f64>,
     /// The mean of the waveforms: shifts a pressure (100mmHg), scales a flow (240mL/min) [default: their own]
-    #[arg(long, value_name = "PRESSURE|FLOW", value_parser = mean, hide_short_help = true)]
+    #[arg(long, value_name = "PRESSURE|FLOW", value_parser = for_option("pulse_mean", mean), hide_short_help = true)]
     pulse_mean: Option<PulseMean>,
     /// How many harmonics are solved [default: 40]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, hide_short_help = true)]
     harmonics: Option<usize>,
     /// The walls: Olufsen's law, one modulus times thickness, Young's modulus and a thickness, one wave speed, what the edges of the
     /// graph state, or rigid [default: graph where it states them, else olufsen]
-    #[arg(long, value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid", value_parser = wall, allow_hyphen_values = true,
-        hide_short_help = true)]
+    #[arg(long, value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid", value_parser = for_option("wall", wall),
+        allow_hyphen_values = true, hide_short_help = true)]
     wall: Option<WallLaw>,
     /// The time constant of a wall that creeps (Kelvin-Voigt) [default: 0, an elastic wall]
     #[arg(long, value_name = "TIME", value_parser = figure("wall_viscosity", Dimension::Time), allow_hyphen_values = true,
         hide_short_help = true)]
     wall_viscosity: Option<f64>,
     /// Resistance times compliance of outlets that state no compliance; none leaves them resistances [default: rc=0.69s]
-    #[arg(long, value_name = "rc=TIME|none", value_parser = windkessel, hide_short_help = true)]
+    #[arg(long, value_name = "rc=TIME|none", value_parser = for_option("windkessel", windkessel), hide_short_help = true)]
     windkessel: Option<TimeConstant>,
     /// The profile by which the flow meets friction [default: womersley]
-    #[arg(long, value_name = "womersley|parabolic", value_parser = friction, hide_short_help = true)]
+    #[arg(long, value_name = "womersley|parabolic", value_parser = for_option("friction", friction), hide_short_help = true)]
     friction: Option<Friction>,
     /// Density of blood [default: 1060 kg/m3]
     #[arg(long, value_name = "DENSITY", value_parser = figure("density", Dimension::Density), allow_hyphen_values = true,
@@ -89,31 +89,29 @@ impl PulseArgs {
 /// The time constant of outlets, s; none of resistances.
 type TimeConstant = Option<f64>;
 
-fn windkessel(text: &str) -> Result<TimeConstant> {
+fn windkessel(text: &str) -> Result<TimeConstant, String> {
     if text == "none" {
         return Ok(None);
     }
     let time = text.strip_prefix("rc=").and_then(|time| Dimension::Time.parse(time).ok()).filter(|time| *time > 0.0);
-    let refused = || Error::parameter("windkessel", format!("\"{text}\""), "expected none, or rc=TIME such as rc=0.69s");
-    time.ok_or_else(refused).map(Some)
+    time.map(Some).ok_or_else(|| "expected none, or rc=TIME such as rc=0.69s".into())
 }
 
-fn friction(text: &str) -> Result<Friction> {
-    of_word(text).ok_or_else(|| Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic"))
+fn friction(text: &str) -> Result<Friction, String> {
+    of_word(text).ok_or_else(|| "expected womersley or parabolic".into())
 }
 
-fn mean(text: &str) -> Result<PulseMean> {
+fn mean(text: &str) -> Result<PulseMean, String> {
     if Dimension::Flow.has_unit_in(text) {
-        let refused = |accepted: String| Error::parameter("pulse_mean", format!("\"{text}\""), accepted);
-        return Dimension::Flow.parse(text).map(PulseMean::Flow).map_err(refused);
+        return Dimension::Flow.parse(text).map(PulseMean::Flow);
     }
     let accepted = format!("expected a pressure ({} mmHg) or a flow (240mL/min) with its unit", mmhg(INLET_PRESSURE));
     let pressure = Dimension::Pressure.parse(text).ok().filter(|_| Dimension::Pressure.has_unit_in(text));
-    pressure.map(PulseMean::Pressure).ok_or_else(|| Error::parameter("pulse_mean", format!("\"{text}\""), accepted))
+    pressure.map(PulseMean::Pressure).ok_or(accepted)
 }
 
-fn wall(text: &str) -> Result<WallLaw> {
-    parsed_wall(text).ok_or_else(|| Error::parameter("wall", format!("\"{text}\""), WALL))
+fn wall(text: &str) -> Result<WallLaw, String> {
+    parsed_wall(text).ok_or_else(|| WALL.into())
 }
 
 fn parsed_wall(text: &str) -> Option<WallLaw> {

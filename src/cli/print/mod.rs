@@ -13,7 +13,7 @@ use crate::internals::network::{Condition, Origin, Role, fragments};
 pub use crate::internals::report::page::lead::brief;
 use crate::{
     Contents, Error, Input, Network, Step, internals::flow::Boundary, internals::flow::boundary_conditions::unfed_fragments,
-    internals::pipeline::nothing_built, internals::report::figures::axis::with_commas, internals::support::printable::printable,
+    internals::report::figures::axis::with_commas, internals::support::printable::printable,
 };
 
 /// Prints facts on standard error, so that standard output stays free for data.
@@ -240,9 +240,6 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
             let (nodes, vessels) = (plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
             let how = options.k.filter(|_| !by_evidence).map_or_else(|| "by evidence".to_owned(), |k| format!("k = {k}"));
             terminal.say("built", format!("{} in a graph of {nodes}, {vessels} ({how})", plural(candidates, "candidate")));
-            if let Some(note) = nothing_built(graph, options) {
-                terminal.say("note", note);
-            }
         }
         Step::Cut { graph, with_mask, with_image } => {
             let contacts = graph.vessels().filter(|(_, v)| v.origin == Origin::Contact).count();

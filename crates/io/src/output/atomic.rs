@@ -68,6 +68,18 @@ impl StagedFolder {
         Ok(Self { in_progress, kept: Mutex::default() })
     }
 
+    /// Fills a folder that appears complete or not at all; an earlier one is replaced with `force`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFolder::new`], `fill` and [`StagedFolder::commit`].
+    pub fn fill<T>(target: &Path, force: bool, fill: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
+        let folder = Self::new(target, force)?;
+        let filled = fill(&folder)?;
+        folder.commit()?;
+        Ok(filled)
+    }
+
     /// Where to write until then.
     pub fn path(&self) -> PathBuf {
         self.in_progress.new_path()

@@ -2,7 +2,7 @@
 
 /// The record of a run, by which a folder of this program is known.
 pub const RECORD: &str = "run.json";
-/// The landmarks that a run was made with, with an ending for each format.
+/// The landmarks that a run was made with, with an ending for each format, in the order of `LandmarkFormat`.
 pub const LANDMARKS: [&str; 3] = ["landmarks.csv", "landmarks.mrk.json", "landmarks.fcsv"];
 /// The vessels.
 pub const EDGES: &str = "edges.csv";
