@@ -7,7 +7,7 @@ use std::ops::Range;
 use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
 use crate::formats::{Fault, NumberType, ReadOptions, ensure, figures, listed, parents_first, stated_unit, steps_from_inlets};
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Scale, is_radius};
-use willis_core::support::geometry::{Point, cross, distance, dot};
+use willis_core::support::geometry::{Point, bounds, cross, distance, dot, sub};
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
 ///
@@ -71,7 +71,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     }
     ensure(!lines.points.is_empty(), || Fault::file("no points in any tube", "expected objects of type Tube with points"))?;
     number(&mut lines, &ids);
-    let mut lost = 0;
+    let (mut lost, mut sorted) = (0, SortedTubes::new());
     for (row, object) in objects.iter().enumerate().filter(|(row, _)| !span[*row].is_empty()) {
         let Some(id) = object.index("ParentID")? else { continue };
         let Some(parent) = row_of.get(&id).copied() else {
@@ -88,7 +88,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
                 let accepted = format!("expected 0 to {}: tube {id} has {} points", span[parent].len() - 1, span[parent].len());
                 return Err(Fault::line(line, format!("ParentPoint {at}"), accepted));
             }
-            None => nearest_pair(&lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
+            None => nearest_pair(&mut sorted, &lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
         };
         lines.add_link(ends.map(|p| p as u32), object.fields.get("Name").map_or("", |(_, name)| name));
     }
@@ -200,11 +200,37 @@ fn is_kind(name: &str) -> bool {
     containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
 }
 
-/// The point of the parent and the end of the child that are closest; of several the first end's first.
-fn nearest_pair(points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
-    let pairs = ends.into_iter().flat_map(|end| parent.clone().map(move |row| [row, end]));
-    let gaps = pairs.map(|[row, end]| (distance(points[row], points[end]), [row, end]));
-    gaps.min_by(|(a, _), (b, _)| a.total_cmp(b)).map_or([parent.start, ends[0]], |(_, nearest)| nearest)
+/// By the first point of a tube the axis along which it extends the most, and its points in the order of that axis.
+type SortedTubes = HashMap<usize, (usize, Vec<usize>)>;
+
+/// The point of the parent and the end of the child that are closest.
+fn nearest_pair(all: &mut SortedTubes, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
+    let (axis, sorted) = all.entry(parent.start).or_insert_with(|| sort(points, parent));
+    let x = |row: usize| points[row][*axis];
+    let mut best = (f64::INFINITY, [sorted[0], ends[0]]);
+    for end in ends {
+        let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
+        let mut consider = |row: &usize| {
+            let gap = distance(points[*row], points[end]);
+            if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
+                best = (gap, [*row, end]);
+            }
+            (x(*row) - x(end)).abs() <= best.0
+        };
+        let _ = left.iter().rev().all(&mut consider);
+        let _ = right.iter().all(consider);
+    }
+    best.1
+}
+
+/// The axis along which points extend the most, and their rows in its order.
+fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
+    let [low, high] = bounds(points[range.clone()].iter().copied());
+    let extent = sub(high, low);
+    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
+    let mut rows: Vec<usize> = range.collect();
+    rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
+    (axis, rows)
 }
 
 /// Names of the radius, as MetaIO knows them.
