@@ -322,6 +322,8 @@ def check_lead(page):
     """Every page begins with a sentence whose figures are those of run.json; the equal tiles stand with the settings, folded."""
     said, record = page.text("#answer-words"), page.record
     assert said.endswith(".") and not page.one("#facts").is_displayed(), said
+    named = page.driver.execute_script("return [...document.querySelectorAll('#facts dt')].map(name => name.textContent)")
+    assert named and len({*named}) == len(named), named
     if record.get("counts", {}).get("uncertain") == 0:
         assert said.startswith("There is no possible connection.") and not page.one("#threshold").is_displayed(), said
     inflows = [record.get("total_inflow_mL_per_min"), record.get("total_inflow_mL_per_min_perturbed")]
