@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use fixedbitset::FixedBitSet;
+
 use super::{Image, Picture, image::block_before, indices_of, row_at, strides_of};
 use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
 use willis_core::{network::millimetres, support::statistics::median};
@@ -209,13 +211,13 @@ fn apart(image: &Image, [low, high]: [Point; 2]) -> f64 {
 }
 
 /// One bit for each voxel of a picture.
-pub struct Bits(Vec<u64>);
+pub struct Bits(FixedBitSet);
 
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
     pub fn around(picture: &Picture, e: &ScanCenterlines, more: f64) -> Self {
         let shape = picture.shape;
-        let mut words = vec![0_u64; picture.values.len().div_ceil(64)];
+        let mut bits = FixedBitSet::with_capacity(picture.values.len());
         let steps = [0, 1, 2].map(|axis| picture.step(axis));
         // A box of indices that holds a ball of radius 1 m.
         let unit = {
@@ -246,29 +248,17 @@ impl Bits {
                     let high = (centre[0] - (b - half) / a).floor().min((shape[0] - 1) as f64);
                     if low <= high {
                         let first = picture.row([0, y as usize, z as usize]);
-                        set(&mut words, first + low as usize, first + high as usize);
+                        bits.insert_range(first + low as usize..first + high as usize + 1);
                     }
                 }
             }
         }
-        Self(words)
+        Self(bits)
     }
 
     /// Whether the voxel of this row is one of them.
     pub fn has(&self, row: usize) -> bool {
-        self.0[row / 64] >> (row % 64) & 1 == 1
-    }
-}
-
-/// Sets the bits from the first to the last.
-fn set(words: &mut [u64], first: usize, last: usize) {
-    let (from, upto) = (!0 << (first % 64), !0 >> (63 - last % 64));
-    if first / 64 == last / 64 {
-        words[first / 64] |= from & upto;
-    } else {
-        words[first / 64] |= from;
-        words[first / 64 + 1..last / 64].fill(!0);
-        words[last / 64] |= upto;
+        self.0.contains(row)
     }
 }
 
