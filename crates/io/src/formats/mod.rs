@@ -38,9 +38,8 @@ pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
 pub use swc::{read_swc, write_centerlines_swc, write_swc};
 pub use tables::graph::{
-    END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
-    read_csv_edges, read_csv_nodes, read_points, stated_columns, vessel_columns, wall_columns, windkessel_columns,
-    write_csv_graph, write_points,
+    END_POSITION_COLUMNS, condition_columns, coordinates, graph_columns, graph_columns_with, node_columns, read_csv_edges,
+    read_csv_nodes, read_points, stated_columns, vessel_columns, wall_columns, windkessel_columns, write_csv_graph, write_points,
 };
 pub use tables::lists::{
     ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, add_loops, read_decisions, read_links, read_prior_csv,

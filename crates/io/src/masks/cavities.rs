@@ -1,11 +1,12 @@
 //! Cavities of a mask: background that nothing connects to the outside, such as a voxel that a segmenter left out within a vessel.
 
-use std::{collections::VecDeque, ops::Range};
+use std::{collections::BTreeMap, collections::VecDeque, ops::Range};
 
 use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
 use super::{Foreground, Mask, distances, indices_of};
+use willis_core::support::numbered::marked;
 
 /// What is done with the cavities of a mask, and with its specks. Thinning keeps a cavity as a closed surface, of which the skeleton makes
 /// dozens of loops.
@@ -101,20 +102,13 @@ impl Mask {
             }
         }
         let labels = parts.into_labeling();
-        let mut is_outside = vec![false; runs.len()];
-        for (run, label) in runs.iter().zip(&labels) {
-            is_outside[*label] |= run.is_outside;
-        }
-        let mut row_of = vec![usize::MAX; runs.len()];
-        let mut found: Vec<Vec<usize>> = Vec::new();
+        let outside = runs.iter().zip(&labels).filter(|(run, _)| run.is_outside);
+        let is_outside = marked(runs.len(), outside.map(|(_, label)| *label));
+        let mut cavities: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (run, label) in runs.iter().zip(&labels).filter(|(_, label)| !is_outside[**label]) {
-            if row_of[*label] == usize::MAX {
-                row_of[*label] = found.len();
-                found.push(Vec::new());
-            }
-            found[row_of[*label]].extend(run.voxels.clone());
+            cavities.entry(*label).or_default().extend(run.voxels.clone());
         }
-        found
+        cavities.into_values().collect()
     }
 
     /// Fills one cavity from its walls inward, and returns in how many layers.

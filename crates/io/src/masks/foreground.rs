@@ -1,9 +1,11 @@
 //! The voxels inside vessels as one bit each, numbered in their order: a row for each voxel, a place in the box for each row.
 
+use fixedbitset::{Block, FixedBitSet};
+
 use super::grid::{indices_of, row_at, strides_of};
 
-/// Bits of a word.
-const BITS: usize = 64;
+/// Bits of a block.
+const BITS: usize = Block::BITS as usize;
 
 /// The voxels of a mask that are not background, in the order x, y, z with x fastest, in the box around them and one voxel more.
 ///
@@ -19,8 +21,8 @@ pub struct Foreground {
     /// Where the centre of each of its voxels is, mm.
     pub(super) affine: super::grid::Affine,
     /// One bit for each place of the box.
-    words: Vec<u64>,
-    /// How many voxels come before each word, and all of them last.
+    bits: FixedBitSet,
+    /// How many voxels come before each block of bits, and all of them last.
     before: Vec<u32>,
 }
 
@@ -43,27 +45,26 @@ impl Foreground {
         }
         let shape = [0, 1, 2].map(|axis| high[axis] - low[axis] + 3);
         let size = shape[0].checked_mul(shape[1])?.checked_mul(shape[2]).filter(|size| *size < u32::MAX as usize)?;
-        let mut words = vec![0_u64; size.div_ceil(BITS)];
+        let mut bits = FixedBitSet::with_capacity(size);
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let line = row_at(mask.shape, [0, y, z]);
                 let place = row_at(shape, [1, y - low[1] + 1, z - low[2] + 1]);
                 for x in low[0]..=high[0] {
                     if mask.classes[line + x] > 0 {
-                        let at = place + x - low[0];
-                        words[at / BITS] |= 1 << (at % BITS);
+                        bits.insert(place + x - low[0]);
                     }
                 }
             }
         }
-        let mut before = Vec::with_capacity(words.len() + 1);
+        let mut before = Vec::with_capacity(bits.as_slice().len() + 1);
         before.push(0);
-        before.extend(words.iter().scan(0, |count, word| {
-            *count += word.count_ones();
+        before.extend(bits.as_slice().iter().scan(0, |count, block| {
+            *count += block.count_ones();
             Some(*count)
         }));
         let origin = low.map(|index| index as isize - 1);
-        Some(Self { shape, origin, image: mask.shape, affine: mask.affine, words, before })
+        Some(Self { shape, origin, image: mask.shape, affine: mask.affine, bits, before })
     }
 
     /// How many voxels there are.
@@ -88,40 +89,31 @@ impl Foreground {
 
     /// Whether a place is inside a vessel.
     pub fn contains(&self, place: usize) -> bool {
-        self.words.get(place / BITS).is_some_and(|word| word >> (place % BITS) & 1 == 1)
+        self.bits.contains(place)
     }
 
     /// The row of the voxel at a place; `None` for background.
     pub fn row(&self, place: usize) -> Option<usize> {
         self.contains(place).then(|| {
-            let lower = self.words[place / BITS] & ((1 << (place % BITS)) - 1);
+            let lower = self.bits.as_slice()[place / BITS] & ((1 << (place % BITS)) - 1);
             self.before[place / BITS] as usize + lower.count_ones() as usize
         })
     }
 
     /// The place of a row.
     pub fn place(&self, row: usize) -> usize {
-        // The last word that not more than `row` voxels come before.
+        // The last block that not more than `row` voxels come before.
         let at = self.before.partition_point(|before| *before as usize <= row) - 1;
-        let mut word = self.words[at];
+        let mut block = self.bits.as_slice()[at];
         for _ in self.before[at] as usize..row {
-            word &= word - 1;
+            block &= block - 1;
         }
-        at * BITS + word.trailing_zeros() as usize
+        at * BITS + block.trailing_zeros() as usize
     }
 
     /// The places of all rows, in their order.
     pub fn places(&self) -> impl Iterator<Item = usize> {
-        self.words.iter().enumerate().flat_map(|(at, word)| {
-            let mut left = *word;
-            std::iter::from_fn(move || {
-                let place = at * BITS + left.trailing_zeros() as usize;
-                (left != 0).then(|| {
-                    left &= left - 1;
-                    place
-                })
-            })
-        })
+        self.bits.ones()
     }
 
     /// The indices in the image of a place.

@@ -174,6 +174,13 @@ pub(super) fn trilinear(corner: impl Fn(usize, usize, usize) -> f64, share: [f64
     between(in_layer(0), in_layer(1), share[2])
 }
 
+/// The block whose middle comes before an index along an axis of so many blocks, each so many voxels wide, and how far the index is on the way to the
+/// next one.
+pub(super) fn block_before(index: f64, width: f64, blocks: usize) -> (usize, f64) {
+    let at = ((index + 0.5) / width - 0.5).clamp(0.0, (blocks - 1) as f64);
+    (at as usize, at.fract())
+}
+
 /// The mean of what counts around each place, on a grid of blocks of voxels.
 struct LocalMean {
     shape: [usize; 3],
@@ -239,8 +246,8 @@ impl LocalMean {
 
     /// The block before the middle of a voxel along an axis, and how far that is on the way to the next one.
     fn between(&self, axis: usize, voxel: usize) -> (usize, f32) {
-        let at = ((voxel as f64 + 0.5) / self.block[axis] - 0.5).clamp(0.0, (self.shape[axis] - 1) as f64);
-        (at as usize, at.fract() as f32)
+        let (before, share) = block_before(voxel as f64, self.block[axis], self.shape[axis]);
+        (before, share as f32)
     }
 
     /// The means along the first axis at a voxel of the other two.

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Image, Picture, indices_of, row_at, strides_of};
+use fixedbitset::FixedBitSet;
+
+use super::{Image, Picture, image::block_before, indices_of, row_at, strides_of};
 use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
 use willis_core::{network::millimetres, support::statistics::median};
 
@@ -88,8 +90,7 @@ impl fmt::Display for Unseen {
 /// The image around the centerlines of vessels.
 pub struct Scene {
     picture: Picture,
-    background: Cells,
-    noise: Cells,
+    levels: Cells,
     /// Whether each voxel is inside a vessel.
     lumen: Bits,
     /// Per point of the centerlines how far its vessel stands out there, positive; the unit is that of the image.
@@ -128,8 +129,10 @@ impl Scene {
         let near = Bits::around(&picture, e, CLEAR * h);
         let lumen = Bits::around(&picture, e, 0.0);
         picture.flatten(TISSUE * h, |voxel| !near.has(voxel));
-        let (background, noise) = levels(&picture, &near, CELL * h).ok_or(Unseen::Unknown)?;
-        let raw: Vec<Option<f64>> = e.position.iter().map(|p| Some(picture.value(*p)? - background.at(&picture, *p))).collect();
+        let levels = levels(&picture, &near, CELL * h).ok_or(Unseen::Unknown)?;
+        let around: Vec<[f64; 2]> = e.position.iter().map(|p| levels.at(&picture, *p)).collect();
+        let raw = e.position.iter().zip(&around).map(|(p, [background, _])| Some(picture.value(*p)? - background));
+        let raw: Vec<Option<f64>> = raw.collect();
         let known: Vec<f64> = raw.iter().flatten().copied().collect();
         if 2 * known.len() < raw.len() {
             return Err(if away > 0.0 { Unseen::Beside(away) } else { Unseen::Unknown });
@@ -140,7 +143,7 @@ impl Scene {
             Appearance::Auto => median(&known).map_or(1.0, |m| if m < 0.0 { -1.0 } else { 1.0 }),
         };
         let typical = median(&known).unwrap_or(0.0) * sign;
-        let noises: Vec<f64> = e.position.iter().map(|p| noise.at(&picture, *p)).collect();
+        let noises: Vec<f64> = around.iter().map(|[_, noise]| *noise).collect();
         let noise_share = median(&noises).unwrap_or(0.0) / typical;
         let stand_out = raw.iter().zip(&noises).filter_map(|(x, noise)| Some(sign * (*x)? / noise));
         let stands_out = median(&stand_out.filter(|z| !z.is_nan()).collect::<Vec<f64>>()).unwrap_or(0.0);
@@ -158,13 +161,13 @@ impl Scene {
                 }
             }
         }
-        Ok(Self { picture, background, noise, lumen, contrast, typical, sign, noise_share, spacing: h })
+        Ok(Self { picture, levels, lumen, contrast, typical, sign, noise_share, spacing: h })
     }
 
     /// Background and noise at a place (m).
     pub fn level(&self, place: Point) -> Level {
-        let background = self.sign * self.background.at(&self.picture, place);
-        Level { background, noise: self.noise.at(&self.picture, place).max(f64::MIN_POSITIVE) }
+        let [background, noise] = self.levels.at(&self.picture, place);
+        Level { background: self.sign * background, noise: noise.max(f64::MIN_POSITIVE) }
     }
 
     /// How bright a place (m) is, or how dark where vessels are; `None` where it is not known.
@@ -208,13 +211,13 @@ fn apart(image: &Image, [low, high]: [Point; 2]) -> f64 {
 }
 
 /// One bit for each voxel of a picture.
-pub struct Bits(Vec<u64>);
+pub struct Bits(FixedBitSet);
 
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
     pub fn around(picture: &Picture, e: &ScanCenterlines, more: f64) -> Self {
         let shape = picture.shape;
-        let mut words = vec![0_u64; picture.values.len().div_ceil(64)];
+        let mut bits = FixedBitSet::with_capacity(picture.values.len());
         let steps = [0, 1, 2].map(|axis| picture.step(axis));
         // A box of indices that holds a ball of radius 1 m.
         let unit = {
@@ -245,51 +248,37 @@ impl Bits {
                     let high = (centre[0] - (b - half) / a).floor().min((shape[0] - 1) as f64);
                     if low <= high {
                         let first = picture.row([0, y as usize, z as usize]);
-                        set(&mut words, first + low as usize, first + high as usize);
+                        bits.insert_range(first + low as usize..first + high as usize + 1);
                     }
                 }
             }
         }
-        Self(words)
+        Self(bits)
     }
 
     /// Whether the voxel of this row is one of them.
     pub fn has(&self, row: usize) -> bool {
-        self.0[row / 64] >> (row % 64) & 1 == 1
+        self.0.contains(row)
     }
 }
 
-/// Sets the bits from the first to the last.
-fn set(words: &mut [u64], first: usize, last: usize) {
-    let (from, upto) = (!0 << (first % 64), !0 >> (63 - last % 64));
-    if first / 64 == last / 64 {
-        words[first / 64] |= from & upto;
-    } else {
-        words[first / 64] |= from;
-        words[first / 64 + 1..last / 64].fill(!0);
-        words[last / 64] |= upto;
-    }
-}
-
-/// A quantity in cells of voxels, linear between their middles.
+/// Background and noise in cells of voxels, linear between their middles.
 struct Cells {
     shape: [usize; 3],
     /// Voxels of a cell along each axis.
     size: [f64; 3],
-    value: Vec<f64>,
+    /// Of each cell its background and its noise.
+    levels: Vec<[f64; 2]>,
 }
 
 impl Cells {
-    fn at(&self, picture: &Picture, place: Point) -> f64 {
+    fn at(&self, picture: &Picture, place: Point) -> [f64; 2] {
         let index = picture.index(place);
         let (mut low, mut share) = ([0; 3], [0.0; 3]);
         for axis in 0..3 {
-            let last = (self.shape[axis] - 1) as f64;
-            let at = ((index[axis] + 0.5) / self.size[axis] - 0.5).clamp(0.0, last);
-            low[axis] = (at.floor() as usize).min(self.shape[axis].saturating_sub(2));
-            share[axis] = at - low[axis] as f64;
+            (low[axis], share[axis]) = block_before(index[axis], self.size[axis], self.shape[axis]);
         }
-        let mut sum = 0.0;
+        let mut sum = [0.0; 2];
         for corner in 0..8 {
             let (mut weight, mut cell) = (1.0, [0; 3]);
             for axis in 0..3 {
@@ -298,7 +287,8 @@ impl Cells {
                 cell[axis] = (low[axis] + usize::from(upper)).min(self.shape[axis] - 1);
             }
             if weight > 0.0 {
-                sum += weight * self.value[row_at(self.shape, cell)];
+                let [background, noise] = self.levels[row_at(self.shape, cell)];
+                sum = [sum[0] + weight * background, sum[1] + weight * noise];
             }
         }
         sum
@@ -307,7 +297,7 @@ impl Cells {
 
 /// Background and noise by cells about so wide (m): median and spread of the voxels that are not near vessels; `None` where no voxel of
 /// them is known.
-fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> {
+fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<Cells> {
     let voxels = picture.shape;
     let along = [0, 1, 2].map(|axis| norm(picture.step(axis)));
     let shape = [0, 1, 2].map(|axis| ((voxels[axis] as f64 * along[axis] / width).round() as usize).clamp(1, voxels[axis]));
@@ -329,11 +319,13 @@ fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> 
         }
     }
     let mut found: Vec<Option<[f64; 2]>> = samples.iter_mut().map(|of| spread(of)).collect();
-    while found.iter().any(Option::is_none) {
-        found = filled_from_neighbours(&found, shape)?;
+    if found.iter().all(Option::is_none) {
+        return None;
     }
-    let part = |k: usize| Cells { shape, size, value: found.iter().flatten().map(|of| of[k]).collect() };
-    Some((part(0), part(1)))
+    while found.contains(&None) {
+        found = filled_from_neighbours(&found, shape);
+    }
+    Some(Cells { shape, size, levels: found.into_iter().flatten().collect() })
 }
 
 /// Median and standard deviation by the median distance from it; `None` for too few.
@@ -352,18 +344,16 @@ fn spread(values: &mut [f32]) -> Option<[f64; 2]> {
     Some([median, NORMAL * middle(values)])
 }
 
-/// Cells without a value take the mean of those beside them that have one; `None` where none has.
-fn filled_from_neighbours(found: &[Option<[f64; 2]>], shape: [usize; 3]) -> Option<Vec<Option<[f64; 2]>>> {
-    found.iter().any(Option::is_some).then(|| {
-        let steps = strides_of(shape);
-        let mean = |row: usize| {
-            let at = indices_of(shape, row);
-            let before = (0..3).filter(|axis| at[*axis] > 0).map(|axis| row - steps[axis]);
-            let after = (0..3).filter(|axis| at[*axis] + 1 < shape[*axis]).map(|axis| row + steps[axis]);
-            let beside: Vec<[f64; 2]> = before.chain(after).filter_map(|row| found[row]).collect();
-            let count = beside.len() as f64;
-            (count > 0.0).then(|| [0, 1].map(|k| beside.iter().map(|of| of[k]).sum::<f64>() / count))
-        };
-        found.iter().enumerate().map(|(row, of)| of.or_else(|| mean(row))).collect()
-    })
+/// Cells without a value take the mean of those beside them that have one.
+fn filled_from_neighbours(found: &[Option<[f64; 2]>], shape: [usize; 3]) -> Vec<Option<[f64; 2]>> {
+    let steps = strides_of(shape);
+    let mean = |row: usize| {
+        let at = indices_of(shape, row);
+        let before = (0..3).filter(|axis| at[*axis] > 0).map(|axis| row - steps[axis]);
+        let after = (0..3).filter(|axis| at[*axis] + 1 < shape[*axis]).map(|axis| row + steps[axis]);
+        let beside: Vec<[f64; 2]> = before.chain(after).filter_map(|row| found[row]).collect();
+        let count = beside.len() as f64;
+        (count > 0.0).then(|| [0, 1].map(|k| beside.iter().map(|of| of[k]).sum::<f64>() / count))
+    };
+    found.iter().enumerate().map(|(row, of)| of.or_else(|| mean(row))).collect()
 }

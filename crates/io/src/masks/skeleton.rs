@@ -43,17 +43,7 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
     let mut walked = vec![false; thinned.len()];
     for first in 0..thinned.len() {
         if node_of[first] != usize::MAX {
-            for next in &links[first] {
-                let branch = walk(first, *next, &links, &node_of);
-                let is_within = branch.len() == 2 && node_of[first] == node_of[branch[1]];
-                let last = branch[branch.len() - 1];
-                // Each is walked from both ends: it is taken from the lower one.
-                let seen = if branch.len() == 2 { last < first } else { walked[branch[1]] };
-                if !seen && !is_within {
-                    branch[1..branch.len() - 1].iter().for_each(|at| walked[*at] = true);
-                    found.add(&branch, [node_of[first], node_of[last]], thinned);
-                }
-            }
+            found.add_branches(first, &links, &node_of, &mut walked, thinned);
         }
     }
     // What is left are rings without a junction: each gets a node at its first voxel.
@@ -61,21 +51,29 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
         if links[first].len() == 2 && node_of[first] == usize::MAX && !walked[first] {
             node_of[first] = found.nodes.len();
             found.nodes.push(vec![thinned[first]]);
-            let next = links[first].first().copied().unwrap_or(first);
-            let branch = walk(first, next, &links, &node_of);
-            for at in &branch {
-                walked[*at] = true;
-            }
-            found.add(&branch, [node_of[first]; 2], thinned);
+            found.add_branches(first, &links, &node_of, &mut walked, thinned);
         }
     }
     found
 }
 
 impl Skeleton {
-    fn add(&mut self, branch: &[usize], ends: [usize; 2], thinned: &[u32]) {
-        let voxels = branch[1..branch.len() - 1].iter().map(|at| thinned[*at]).collect();
-        self.branches.push(Branch { ends, voxels });
+    /// Adds the branches from a voxel of a node. Each is walked from both ends: it is taken from the lower one.
+    fn add_branches(&mut self, first: usize, links: &[BTreeSet<usize>], node_of: &[usize], walked: &mut [bool], thinned: &[u32]) {
+        for next in &links[first] {
+            let line = walk(first, *next, links, node_of);
+            let last = line[line.len() - 1];
+            let between = &line[1..line.len() - 1];
+            let ends = [node_of[first], node_of[last]];
+            let is_taken = match between {
+                [] => last < first || ends[0] == ends[1],
+                [next, ..] => walked[*next],
+            };
+            if !is_taken {
+                between.iter().for_each(|at| walked[*at] = true);
+                self.branches.push(Branch { ends, voxels: between.iter().map(|at| thinned[*at]).collect() });
+            }
+        }
     }
 
     /// How many ends of branches each node has.
@@ -95,18 +93,16 @@ impl Skeleton {
                 let (junction, tip) = if degrees[a] == 1 { (b, a) } else { (a, b) };
                 if degrees[tip] == 1 && degrees[junction] > 2 {
                     let reach = reach(self, branch, junction);
-                    let entry = least.entry(junction).or_insert((f64::INFINITY, row));
-                    if reach < SPUR && reach < entry.0 {
-                        *entry = (reach, row);
+                    if reach < SPUR && least.get(&junction).is_none_or(|(known, _)| reach < *known) {
+                        least.insert(junction, (reach, row));
                     }
                 }
             }
-            let gone = marked(self.branches.len(), least.values().filter(|(reach, _)| *reach < SPUR).map(|(_, row)| *row));
-            if !gone.contains(&true) {
+            if least.is_empty() {
                 return removed;
             }
-            removed += gone.iter().filter(|is| **is).count();
-            self.remove(&gone);
+            removed += least.len();
+            self.remove(&marked(self.branches.len(), least.values().map(|(_, row)| *row)));
         }
     }
 

@@ -3,11 +3,9 @@
 
 use std::{cmp::Reverse, collections::BinaryHeap, f64::consts::PI};
 
-use petgraph::unionfind::UnionFind;
-
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::{Cavities, Foreground, Mask, distances, indices_of, neighbours, row_at, steps_of, thin};
-use willis_core::network::{Centerlines, metres, walks::other};
+use willis_core::network::{Centerlines, Fragments, metres, walks::other};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
 use willis_core::support::numbered::grouped;
@@ -141,20 +139,17 @@ impl Tracer<'_> {
 
     /// Leaves out parts whose lines are together shorter than the part is wide; how many, and their length, m.
     fn leave_out_specks(&self, graph: &mut Skeleton) -> (usize, f64) {
-        let mut parts: UnionFind<usize> = UnionFind::new(graph.nodes.len());
-        for [a, b] in graph.branches.iter().map(|branch| branch.ends) {
-            parts.union(a, b);
-        }
-        let mut measured = vec![(0.0, 0.0_f64); graph.nodes.len()];
+        let parts = Fragments::over(graph.nodes.len(), graph.branches.iter().map(|branch| branch.ends));
+        let mut measured = vec![(0.0, 0.0_f64); parts.count];
         for branch in &graph.branches {
             let line = self.line(graph, branch);
-            let (length, width) = &mut measured[parts.find(branch.ends[0])];
+            let (length, width) = &mut measured[parts.of_node[branch.ends[0]]];
             *length += line.points.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
             *width = line.depths.iter().fold(*width, |width, depth| width.max(2.0 * depth));
         }
-        let is_speck = |node: usize| measured[parts.find(node)].0 < measured[parts.find(node)].1;
-        let specks: Vec<f64> = measured.iter().filter(|(length, width)| length < width).map(|(length, _)| *length).collect();
-        let gone: Vec<bool> = graph.branches.iter().map(|branch| is_speck(branch.ends[0])).collect();
+        let is_speck = |(length, width): &(f64, f64)| length < width;
+        let specks: Vec<f64> = measured.iter().filter(|part| is_speck(part)).map(|(length, _)| *length).collect();
+        let gone: Vec<bool> = graph.branches.iter().map(|branch| is_speck(&measured[parts.of_node[branch.ends[0]]])).collect();
         graph.remove(&gone);
         // The sum of no lengths at all is -0, which would be printed so.
         (specks.len(), metres(specks.iter().sum::<f64>().abs()))

@@ -20,12 +20,12 @@ use willis_core::decision::{
 };
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::{Frame, Network, Node, Origin, cycles, fragments, millimetres};
+use willis_core::network::{Frame, Network, Origin, cycles, fragments, millimetres};
 use willis_core::sampling::{Likelihood, Snapshot};
 use willis_core::support::geometry::{Point, centroid, sub};
 use willis_io::formats::{
-    Checksummed, Column, END_POSITION_COLUMNS, graph_columns_with, stated_columns, windkessel_columns, write_csv, write_graphml,
-    write_npy, write_npz, write_swc, write_vtp,
+    Checksummed, Column, END_POSITION_COLUMNS, condition_columns, graph_columns_with, node_columns, stated_columns,
+    windkessel_columns, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use willis_io::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, REVIEW, SUGGESTED_CUTS, TOPOLOGY,
@@ -33,8 +33,7 @@ use willis_io::output::names::{
 use willis_io::output::{write_file, write_record};
 
 pub use outcome::{
-    Outcome, SolverRecord, agreement, condition_columns, few_perfused, infer_record, node_columns, picked, questions,
-    review_columns, vessel_columns,
+    Outcome, SolverRecord, agreement, few_perfused, infer_record, picked, questions, review_columns, vessel_columns,
 };
 
 /// The largest matrix written densely, in nodes.
@@ -137,8 +136,9 @@ pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Colu
 
 fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
     let pressure = pressures::pressures(&Circuit::new(graph, boundary, viscosity)?, |_| true)?;
-    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(graph, boundary));
+    let stated = boundary.stated();
+    let mut nodes = node_columns(graph, &stated, pressure.into_iter(), &fragments(graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(&stated));
     Ok(nodes)
 }
 
@@ -163,7 +163,7 @@ fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], not
     let mut some = (merged.nodes.len() < outcome.network.node_count())
         .then(|| all_nodes.iter().map(|column| picked(column, &merged.nodes)).collect::<Vec<_>>());
     let nodes = some.as_mut().unwrap_or(&mut all_nodes);
-    nodes.extend(windkessel_columns(&graph.nodes().map(Node::windkessel).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(graph));
     write_file(&file("graphml"), |out| write_graphml(out, graph, nodes, &vessels))?;
     vessels.truncate(shown);
     all_nodes.truncate(known);

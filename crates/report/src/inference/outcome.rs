@@ -11,7 +11,7 @@ use crate::run_record::{CONDITIONS, Provenance, RunRecord, conditions, outlets_f
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres};
-use willis_core::network::{Condition, Merged, Network, Origin, Role, dependents, fragments, if_parted, merge, weakest_of_loops};
+use willis_core::network::{Merged, Network, Origin, Role, dependents, fragments, if_parted, merge, weakest_of_loops};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{self, Column, POSITION_COLUMNS, Values, coordinate_columns};
@@ -207,20 +207,6 @@ pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Colum
         },
     };
     vessels.into_iter().map(column).chain([edges]).collect()
-}
-
-/// The columns of nodes.csv. `pressure` in Pa.
-pub fn node_columns(network: &Network, boundary: &Boundary, pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
-    let roles: Vec<Option<Role>> = boundary.roles.iter().copied().map(Some).collect();
-    formats::node_columns(network, &roles, pressure, component)
-}
-
-/// The terminal resistances and flows of the nodes, and which of their conditions were found, by which a graph file keeps its boundary
-/// conditions.
-pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> {
-    let conditions: Vec<Option<Condition>> = (0..network.node_count()).map(|node| boundary.condition(node)).collect();
-    let found: Vec<bool> = (0..network.node_count()).map(|node| boundary.is_found(node)).collect();
-    formats::condition_columns(&conditions).into_iter().chain(formats::found_column(&found)).collect()
 }
 
 /// The columns of edges.csv.

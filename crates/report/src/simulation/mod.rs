@@ -13,13 +13,13 @@ use states::{
 };
 use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
+use willis_core::network::Network;
 use willis_core::network::units::{centipoise, millimetres, milliseconds, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Network, Node};
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, Simulation, gains, reversals};
 use willis_io::formats::{
-    Column, END_POSITION_COLUMNS, NamedArray, vessel_columns, wall_columns, windkessel_columns, write_arrays, write_csv,
-    write_vtp,
+    Column, END_POSITION_COLUMNS, NamedArray, condition_columns, node_columns, vessel_columns, wall_columns, windkessel_columns,
+    write_arrays, write_csv, write_vtp,
 };
 use willis_io::output::names::{EDGES, HARMONICS, NODES, OCCLUSIONS, TERRITORIES, TOPOLOGY, TRANSIT, WAVEFORM_TABLE, WAVEFORMS};
 use willis_io::output::{StagedFolder, write_file, write_record};
@@ -36,12 +36,13 @@ impl SimulationRun<'_> {
     pub fn tables(&self) -> [Vec<Column>; 2] {
         let Self { network, boundary, result, .. } = self;
         let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
-        let mut nodes = super::inference::node_columns(network, boundary, &before.pressure, &vec![0; network.node_count()]);
+        let stated = boundary.stated();
+        let mut nodes = node_columns(network, &stated, before.pressure.iter().copied(), &vec![0; network.node_count()]);
         nodes.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
         let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
         nodes.extend(after.map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter())));
-        nodes.extend(super::inference::condition_columns(network, boundary));
-        nodes.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
+        nodes.extend(condition_columns(&stated));
+        nodes.extend(windkessel_columns(network));
         let mut vessels = vessel_columns(network);
         vessels.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
         vessels.extend(flow_columns(before, ""));

@@ -14,7 +14,7 @@ use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, 
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{
-    Centerlines, Condition, Evidence, Network, Node, PathPoint, Role, Scale, Wall, Windkessel, fragments, is_radius, millimetres,
+    Centerlines, Condition, Evidence, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius, millimetres,
 };
 use willis_core::support::geometry::{Point, box_diagonal, distance};
 
@@ -234,8 +234,16 @@ pub fn coordinates(position: Option<Point>) -> [f64; 3] {
     position.map_or([f64::NAN; 3], |p| p.map(millimetres))
 }
 
-/// The columns of nodes.csv. `role` by node, `pressure` in Pa.
-pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
+/// What a node states, or is given: its role, its condition, and whether that was found.
+type StatedNode = (Option<Role>, Option<Condition>, bool);
+
+/// The columns of nodes.csv. `pressure` in Pa.
+pub fn node_columns(
+    network: &Network,
+    stated: &[StatedNode],
+    pressure: impl Iterator<Item = Option<f64>>,
+    component: &[usize],
+) -> Vec<Column> {
     let nodes = || network.nodes();
     let [x, y, z] = coordinate_columns(POSITION_COLUMNS, || nodes().map(|n| coordinates(n.position)));
     vec![
@@ -246,8 +254,8 @@ pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option
         z,
         Column::real("radius_mm", nodes().map(|n| n.radius.map_or(f64::NAN, millimetres))),
         Column::text("label", nodes().map(|n| &n.label)),
-        Column::text("role", role.iter().map(|r| r.map_or("", Role::name))),
-        Column::real("pressure_mmHg", pressure.iter().map(|p| p.map_or(f64::NAN, mmhg))),
+        Column::text("role", stated.iter().map(|(role, ..)| role.map_or("", Role::name))),
+        Column::real("pressure_mmHg", pressure.map(|p| p.map_or(f64::NAN, mmhg))),
         Column::whole("component", component.iter().copied()),
     ]
 }
@@ -258,10 +266,10 @@ fn stated_column(name: &'static str, values: impl Iterator<Item = Option<f64>>) 
     values.iter().any(|x| !x.is_nan()).then_some(Column { name: name.into(), values: Values::Real(values) })
 }
 
-/// The columns with the terminal resistances and flows of the nodes, as a graph file stores boundary conditions; columns without
-/// any value are left out.
-pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
-    let figure = |of: fn(Condition) -> Option<f64>| conditions.iter().map(move |c| c.and_then(of));
+/// The columns with the terminal resistances and flows of the nodes, as a graph file stores boundary conditions, and which of them were found;
+/// columns without any value are left out.
+pub fn condition_columns(stated: &[StatedNode]) -> Vec<Column> {
+    let figure = |of: fn(Condition) -> Option<f64>| stated.iter().map(move |(_, condition, _)| condition.and_then(of));
     let resistance = |c| if let Condition::Resistance { resistance, .. } = c { Some(mmhg_s_per_ml(resistance)) } else { None };
     let venous = |c| if let Condition::Resistance { venous, .. } = c { Some(mmhg(venous)).filter(|p| *p != 0.0) } else { None };
     let flow = |c| if let Condition::Flow(flow) = c { Some(ml_per_min(flow)) } else { None };
@@ -270,13 +278,15 @@ pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
         stated_column(super::conditions::VENOUS, figure(venous)),
         stated_column("flow_mL_per_min", figure(flow)),
     ];
-    columns.into_iter().flatten().collect()
+    let found = || stated.iter().map(|(.., found)| *found);
+    let found = found().any(|found| found).then(|| Column::text("found", found().map(|found| found.to_string())));
+    columns.into_iter().chain([found]).flatten().collect()
 }
 
 /// The columns with the parts of the Windkessels of nodes; columns without any value are left out.
-pub fn windkessel_columns(windkessels: &[Windkessel]) -> Vec<Column> {
-    let proximal = windkessels.iter().map(|w| w.proximal.map(mmhg_s_per_ml));
-    let compliance = windkessels.iter().map(|w| w.compliance.map(ml_per_mmhg));
+pub fn windkessel_columns(network: &Network) -> Vec<Column> {
+    let proximal = network.nodes().map(|node| node.windkessel().proximal.map(mmhg_s_per_ml));
+    let compliance = network.nodes().map(|node| node.windkessel().compliance.map(ml_per_mmhg));
     [stated_column(PROXIMAL, proximal), stated_column(COMPLIANCE, compliance)].into_iter().flatten().collect()
 }
 
@@ -295,11 +305,6 @@ pub fn wall_columns(network: &Network) -> Vec<Column> {
     let columns =
         [stated_column(SPEED, figure(speed)), stated_column(YOUNG, figure(young)), stated_column(THICKNESS, figure(thickness))];
     columns.into_iter().flatten().collect()
-}
-
-/// The column that says which conditions were found, where any was.
-pub fn found_column(found: &[bool]) -> Option<Column> {
-    found.contains(&true).then(|| Column::text("found", found.iter().map(bool::to_string)))
 }
 
 /// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
@@ -329,20 +334,14 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
 }
 
 /// As [`graph_columns`], with other roles and conditions than those that the nodes state, and whether these were found.
-pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Condition>, bool)]) -> (Vec<Column>, Vec<Column>) {
-    let pressure = |c: &Option<Condition>| if let Some(Condition::Pressure(p)) = c { Some(*p) } else { None };
-    let roles: Vec<Option<Role>> = stated.iter().map(|(role, ..)| *role).collect();
-    let conditions: Vec<Option<Condition>> = stated.iter().map(|(_, condition, _)| *condition).collect();
-    let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
-    let mut nodes = node_columns(network, &roles, &pressures, &fragments(network, |_, _| true).of_node);
-    nodes.extend(condition_columns(&conditions));
-    // Of a million nodes these are not held while the columns of vessels are made.
-    drop((roles, conditions, pressures));
-    nodes.extend(found_column(&stated.iter().map(|(.., found)| *found).collect::<Vec<_>>()));
+pub fn graph_columns_with(network: &Network, stated: &[StatedNode]) -> (Vec<Column>, Vec<Column>) {
+    let pressure = |(_, c, _): &StatedNode| if let Some(Condition::Pressure(p)) = c { Some(*p) } else { None };
+    let mut nodes = node_columns(network, stated, stated.iter().map(pressure), &fragments(network, |_, _| true).of_node);
+    nodes.extend(condition_columns(stated));
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
     vessels.extend(stated_columns(network));
-    nodes.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(network));
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }
@@ -360,11 +359,7 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
 
 /// A path as the attribute `points`, mm: `x y z r;x y z r`.
 pub(crate) fn points(path: &[PathPoint]) -> String {
-    let point = |p: &PathPoint| {
-        let [x, y, z] = p.position.map(|x| real(millimetres(x)));
-        format!("{x} {y} {z} {}", real(millimetres(p.radius)))
-    };
-    path.iter().map(point).collect::<Vec<_>>().join(";")
+    path.iter().map(|point| figures(point, "").join(" ")).collect::<Vec<_>>().join(";")
 }
 
 const POINTS_HEADER: &str =

@@ -35,20 +35,16 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
     let mut out = Vec::new();
     while let Some(row) = rows.row()? {
-        if let Some(kept) = kept {
-            match row.text(kept) {
-                "1" => {}
-                "0" => continue,
-                other => return Err(Fault::line(row.line, format!("kept \"{other}\""), "expected 1 or 0")),
-            }
+        match kept.map(|column| row.text(column)) {
+            None | Some("1") => {}
+            Some("0") => continue,
+            Some(other) => return Err(Fault::line(row.line, format!("kept \"{other}\""), "expected 1 or 0")),
         }
-        if let Some(origin) = origin {
-            match row.text(origin) {
-                "candidate" => {}
-                "observed" | "contact" => continue,
-                other => {
-                    return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed, candidate or contact"));
-                }
+        match origin.map(|column| row.text(column)) {
+            None | Some("candidate") => {}
+            Some("observed" | "contact") => continue,
+            Some(other) => {
+                return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed, candidate or contact"));
             }
         }
         let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(willis_core::network::metres));
