@@ -5,9 +5,9 @@
 //! R is the radius of the cluster's core, ρ = 1.5 R.
 
 use super::branches::{Branches, Cluster};
-use super::features::{Pair, PairTable, pairs_among, sorted};
+use super::features::{PairTable, pairs_among, sorted};
 use super::sections::{AROUND, HALF_WIDTH, INNER, LumenArm, LumenTube, Section, across, principal, section};
-use willis_core::support::geometry::{Point, cross, distance, dot, lerp, norm, sub};
+use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, norm, sub};
 use willis_core::support::statistics::median;
 use willis_io::masks::{Field, Scene};
 
@@ -121,9 +121,7 @@ fn around(field: &Field, c: &Cluster, arms: &[LumenArm]) -> (Vec<Point>, [f64; 3
     let reach = (1.6 * rho).max(span + 0.8 * rho);
     let places = field.voxels_around(centre, reach);
     let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
-    let n = places.len().max(1) as f64;
-    let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-    let [(least, normal), (middle, _), (most, _)] = principal(&places, sum.map(|x| x / n));
+    let [(least, normal), (middle, _), (most, _)] = principal(&places, centroid(places.iter().copied()));
     let most = most.max(f64::MIN_POSITIVE);
     let volume = (places.len() as f64 * field.voxel_volume() / expected + 0.05).ln();
     (places, [volume, 1.0 - middle / most, (middle - least) / most], normal)
@@ -138,13 +136,13 @@ fn share(a: &[bool], b: &[bool]) -> f64 {
 const MOST_PAIRS: usize = 15;
 
 /// Cover of places by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
-fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
+fn covers(places: &[Point], pairs: &[[usize; 2]], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
     let covered_by = |tube: &LumenTube| {
         let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
         places.iter().map(near).collect()
     };
     let covered: Vec<Vec<bool>> = tubes.iter().map(covered_by).collect();
-    let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
+    let disjoint = |a: usize, b: usize| pairs[a].iter().all(|end| !pairs[b].contains(end));
     let searched = if pairs.len() <= MOST_PAIRS { pairs.len() } else { 0 };
     let two = pairs_among(searched).filter(|[a, b]| disjoint(*a, *b));
     let two: Vec<(usize, usize, f64)> = two.map(|[a, b]| (a, b, share(&covered[a], &covered[b]))).collect();
@@ -166,26 +164,26 @@ fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> 
 /// More ends than this are not paired.
 const MOST_PAIRED: usize = 8;
 
-/// The gains of pairing two of so many ends; zeros where they are too many.
-fn pairing_gains(table: &PairTable, ends: usize) -> PairTable {
-    if ends <= MOST_PAIRED { table.pairing_gains() } else { PairTable::of(ends, 0.0, |_, _| 0.0) }
+/// The gains of pairing two ends; zeros where they are too many.
+fn pairing_gains(table: &PairTable) -> PairTable {
+    if table.ends() <= MOST_PAIRED { table.pairing_gains() } else { PairTable::of(table.ends(), 0.0, |_, _| 0.0) }
 }
 
-/// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`] where there is an image.
-pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
-    let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
-    willis_core::support::in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, pairs)).concat()
+/// The features of the pairs of ends of each cluster, a row of [`MASK_FEATURES`] each, and of [`IMAGE_FEATURES`] where there is an image.
+pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches) -> Vec<Vec<f64>> {
+    willis_core::support::in_order(&branches.clusters, |_, c| of_cluster(field, scene, branches, c)).concat()
 }
 
-fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
-    let cluster = pairs[0].cluster;
-    let c = &branches.clusters[cluster];
-    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, cluster, end)).collect();
-    let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
-    let found: Vec<OfTube> =
-        pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
+fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, c: &Cluster) -> Vec<Vec<f64>> {
+    let pairs: Vec<[usize; 2]> = pairs_among(c.ends.len()).collect();
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let arms: Vec<LumenArm> = c.ends.iter().map(|end| LumenArm::new(field, branches, c, *end)).collect();
+    let tubes: Vec<LumenTube> = pairs.iter().map(|[i, j]| LumenTube::new(&arms[*i], &arms[*j])).collect();
+    let found: Vec<OfTube> = pairs.iter().zip(&tubes).map(|([i, j], tube)| of_tube(field, &arms[*i], &arms[*j], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
-    let cover = covers(&places, pairs, &tubes, field.voxel());
+    let cover = covers(&places, &pairs, &tubes, field.voxel());
     let table = |f: fn(&OfTube) -> f64| PairTable::over(arms.len(), -9.0, found.iter().map(f));
     let straight = table(|t| -t.miss[1]);
     let signed = table(|t| t.signed[1]);
@@ -202,9 +200,9 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let rivals = (arms.len() - 1) as f64;
     let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
-    let gains = [&fit, &straight].map(|table| pairing_gains(table, arms.len()));
+    let gains = [&fit, &straight].map(pairing_gains);
     let of_pair = |n: usize| -> Vec<f64> {
-        let ends = pairs[n].ends;
+        let ends = pairs[n];
         let [a, b] = ends.map(|end| &arms[end]);
         let t = &found[n];
         let to_widest = sorted([a, b].map(|arm| (arm.area / widest).ln()));
@@ -230,7 +228,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     };
     let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
     if let Some(scene) = scene {
-        let shown = of_image(scene, field, c, &arms, &tubes, pairs);
+        let shown = of_image(scene, field, c, &arms, &tubes, &pairs);
         rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
     }
     rows
@@ -253,7 +251,14 @@ const BEND: [f64; 2] = [0.7, 0.5];
 const MOST_STEPS: f64 = 10.0;
 
 /// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
-fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube], pairs: &[Pair]) -> Vec<Vec<f64>> {
+fn of_image(
+    scene: &Scene,
+    field: &Field,
+    c: &Cluster,
+    arms: &[LumenArm],
+    tubes: &[LumenTube],
+    pairs: &[[usize; 2]],
+) -> Vec<Vec<f64>> {
     let (voxel, centre) = (field.voxel(), c.centre());
     let level = scene.level(centre);
     let contrast = |p: Point| scene.brightness(p).map_or(0.0, |x| x - level.background);
@@ -263,28 +268,28 @@ fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes:
     let bright: Vec<f64> = arms.iter().map(of_arm).collect();
     let brightest = bright.iter().copied().fold(least, f64::max);
     let saddles = saddles(&contrast, voxel, centre, arms);
-    let dimmer = |pair: &Pair| bright[pair.ends[0]].min(bright[pair.ends[1]]);
-    let see = |(pair, tube): (&Pair, &LumenTube)| {
+    let dimmer = |pair: &[usize; 2]| bright[pair[0]].min(bright[pair[1]]);
+    let see = |(pair, tube): (&[usize; 2], &LumenTube)| {
         let m = dimmer(pair);
-        shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube)
+        shown(&|p| contrast(p) / m, voxel, pair.map(|end| &arms[end]), tube)
     };
     let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
-    let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
+    let saddle_of = |pair: &[usize; 2]| saddles[pair[0] * arms.len() + pair[1]] / dimmer(pair);
     let tube = PairTable::over(arms.len(), -9.0, shown.iter().map(|shown| shown[0] + shown[1]));
     let saddle = PairTable::over(arms.len(), -9.0, pairs.iter().map(saddle_of));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
-    let gains = [&tube, &saddle, &ratio].map(|table| pairing_gains(table, arms.len()));
-    let of_pair = |(pair, shown): (&Pair, &Vec<f64>)| {
+    let gains = [&tube, &saddle, &ratio].map(pairing_gains);
+    let of_pair = |(pair, shown): (&[usize; 2], &Vec<f64>)| {
         let m = dimmer(pair);
-        let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
+        let [a, b] = pair.map(|end| (bright[end] / brightest).ln());
         let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend_from_slice(shown);
         out.extend([saddle_of(pair), saddle_of(pair) * m / level.noise]);
-        out.extend(tube.margins(pair.ends, 0.0));
-        out.extend(saddle.margins(pair.ends, 0.0));
-        out.extend(ratio.margins(pair.ends, -1.0));
-        out.extend(gains.each_ref().map(|table| table.get(pair.ends[0], pair.ends[1])));
+        out.extend(tube.margins(*pair, 0.0));
+        out.extend(saddle.margins(*pair, 0.0));
+        out.extend(ratio.margins(*pair, -1.0));
+        out.extend(gains.each_ref().map(|table| table.get(pair[0], pair[1])));
         out
     };
     pairs.iter().zip(&shown).map(of_pair).collect()

@@ -3,6 +3,7 @@
 
 use faer::{Mat, Side};
 
+use super::branches::{BranchEnd, Branches, Cluster};
 use willis_core::support::geometry::{Point, area_of, centroid, cross, distance, dot, lerp, norm, radius_of, sub, unit};
 use willis_core::support::statistics::median;
 use willis_io::masks::Field;
@@ -164,15 +165,14 @@ pub struct LumenArm {
 
 impl LumenArm {
     /// That of an end of a cluster.
-    pub fn new(field: &Field, branches: &super::branches::Branches, cluster: usize, end: usize) -> Self {
-        let c = &branches.clusters[cluster];
-        let rho = 1.5 * c.radius;
-        let course = branches.walk(c.ends[end], 8.0 * rho);
+    pub fn new(field: &Field, branches: &Branches, cluster: &Cluster, end: BranchEnd) -> Self {
+        let rho = 1.5 * cluster.radius;
+        let course = branches.walk(end, 8.0 * rho);
         let length = course.length();
         let last = STATIONS[STATIONS.len() - 1] * rho;
         let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
         let radii = course.radii_between(0.6 * rho, 5.0 * rho);
-        let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
+        let typical = median(&radii).unwrap_or(branches.branches[end.branch].radius).max(field.voxel());
         let at = |station: &f64| {
             let s = station * rho * shrunk;
             let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
