@@ -228,7 +228,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, c: &Clu
     };
     let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
     if let Some(scene) = scene {
-        let shown = of_image(scene, field, c, &arms, &tubes, &pairs);
+        let shown = of_image(scene, field, c, &arms, &tubes);
         rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
     }
     rows
@@ -251,15 +251,9 @@ const BEND: [f64; 2] = [0.7, 0.5];
 const MOST_STEPS: f64 = 10.0;
 
 /// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
-fn of_image(
-    scene: &Scene,
-    field: &Field,
-    c: &Cluster,
-    arms: &[LumenArm],
-    tubes: &[LumenTube],
-    pairs: &[[usize; 2]],
-) -> Vec<Vec<f64>> {
+fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube]) -> Vec<Vec<f64>> {
     let (voxel, centre) = (field.voxel(), c.centre());
+    let pairs = || pairs_among(arms.len());
     let level = scene.level(centre);
     let contrast = |p: Point| scene.brightness(p).map_or(0.0, |x| x - level.background);
     let least = LEAST_CONTRAST * scene.typical;
@@ -268,31 +262,30 @@ fn of_image(
     let bright: Vec<f64> = arms.iter().map(of_arm).collect();
     let brightest = bright.iter().copied().fold(least, f64::max);
     let saddles = saddles(&contrast, voxel, centre, arms);
-    let dimmer = |pair: &[usize; 2]| bright[pair[0]].min(bright[pair[1]]);
-    let see = |(pair, tube): (&[usize; 2], &LumenTube)| {
+    let dimmer = |[i, j]: [usize; 2]| bright[i].min(bright[j]);
+    let see = |(pair, tube): ([usize; 2], &LumenTube)| {
         let m = dimmer(pair);
         shown(&|p| contrast(p) / m, voxel, pair.map(|end| &arms[end]), tube)
     };
-    let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
-    let saddle_of = |pair: &[usize; 2]| saddles[pair[0] * arms.len() + pair[1]] / dimmer(pair);
+    let shown: Vec<Vec<f64>> = pairs().zip(tubes).map(see).collect();
     let tube = PairTable::over(arms.len(), -9.0, shown.iter().map(|shown| shown[0] + shown[1]));
-    let saddle = PairTable::over(arms.len(), -9.0, pairs.iter().map(saddle_of));
+    let saddle = PairTable::of(arms.len(), -9.0, |i, j| saddles.get(i, j) / dimmer([i, j]));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
     let gains = [&tube, &saddle, &ratio].map(pairing_gains);
-    let of_pair = |(pair, shown): (&[usize; 2], &Vec<f64>)| {
-        let m = dimmer(pair);
-        let [a, b] = pair.map(|end| (bright[end] / brightest).ln());
+    let of_pair = |([i, j], shown): ([usize; 2], &Vec<f64>)| {
+        let m = dimmer([i, j]);
+        let [a, b] = [i, j].map(|end| (bright[end] / brightest).ln());
         let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend_from_slice(shown);
-        out.extend([saddle_of(pair), saddle_of(pair) * m / level.noise]);
-        out.extend(tube.margins(*pair, 0.0));
-        out.extend(saddle.margins(*pair, 0.0));
-        out.extend(ratio.margins(*pair, -1.0));
-        out.extend(gains.each_ref().map(|table| table.get(pair[0], pair[1])));
+        out.extend([saddle.get(i, j), saddle.get(i, j) * m / level.noise]);
+        out.extend(tube.margins([i, j], 0.0));
+        out.extend(saddle.margins([i, j], 0.0));
+        out.extend(ratio.margins([i, j], -1.0));
+        out.extend(gains.each_ref().map(|table| table.get(i, j)));
         out
     };
-    pairs.iter().zip(&shown).map(of_pair).collect()
+    pairs().zip(&shown).map(of_pair).collect()
 }
 
 /// What one pair shows along its tube, the least and the mean contrast first.
@@ -334,7 +327,7 @@ fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tu
 }
 
 /// Per pair of arms the highest contrast that a way from the middle of one to that of the other need not fall below, near the cluster.
-fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> Vec<f64> {
+fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> PairTable {
     let reach = arms.iter().map(|arm| distance(arm.middle, centre)).fold(voxel, f64::max) + 2.0 * voxel;
     let steps = (reach / voxel).ceil().min(MOST_STEPS);
     let (step, half) = (reach / steps, steps as isize);
@@ -355,18 +348,12 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
     for (arm, of) in arms.iter().enumerate() {
         of_root[nearest(of.middle)].push(arm);
     }
-    let count = arms.len();
-    let mut out = vec![0.0; count * count];
-    let mut met = |a: usize, b: usize, value: f64| {
-        out[a * count + b] = value;
-        out[b * count + a] = value;
-    };
-    let mut open = count;
+    let (mut out, mut open) = (PairTable::of(arms.len(), 0.0, |_, _| 0.0), arms.len());
     for at in order {
         reached[at] = true;
         // Several middles in one place.
         for (n, a) in of_root[at].iter().enumerate() {
-            of_root[at][n + 1..].iter().for_each(|b| met(*a, *b, value[at]));
+            of_root[at][n + 1..].iter().for_each(|b| out.set([*a, *b], value[at]));
         }
         open -= of_root[at].len().saturating_sub(1);
         let o = offset(at as isize);
@@ -386,7 +373,7 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
             let (from, root) = if trees.find(a) == a { (b, a) } else { (a, b) };
             let moved = std::mem::take(&mut of_root[from]);
             for i in &moved {
-                of_root[root].iter().for_each(|j| met(*i, *j, value[at]));
+                of_root[root].iter().for_each(|j| out.set([*i, *j], value[at]));
             }
             open -= usize::from(!moved.is_empty() && !of_root[root].is_empty());
             of_root[root].extend(moved);

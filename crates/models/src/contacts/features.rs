@@ -167,11 +167,14 @@ impl PairTable {
 
     /// The table of so many ends, given the value of every pair of them in order; `nothing` for ends that are no pair.
     pub fn over(size: usize, nothing: f64, of_pairs: impl Iterator<Item = f64>) -> Self {
-        let mut values = vec![nothing; size * size];
-        for ([i, j], value) in pairs_among(size).zip(of_pairs) {
-            (values[i * size + j], values[j * size + i]) = (value, value);
-        }
-        Self { size, values }
+        let mut table = Self { size, values: vec![nothing; size * size] };
+        pairs_among(size).zip(of_pairs).for_each(|(pair, value)| table.set(pair, value));
+        table
+    }
+
+    /// Sets the value of two ends.
+    pub fn set(&mut self, [i, j]: [usize; 2], value: f64) {
+        (self.values[i * self.size + j], self.values[j * self.size + i]) = (value, value);
     }
 
     /// How many ends there are.
