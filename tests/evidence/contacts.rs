@@ -192,7 +192,7 @@ fn the_section_of_a_tube_is_its_circle() {
             let lengthening = if direction[1] > 0.0 { 2.0_f64.sqrt() } else { 1.0 };
             let truth = PI * (radius * 0.5e-3).powi(2) * lengthening;
             assert!((found.area / truth - 1.0).abs() < 0.12, "{radius} {direction:?}: {} of {truth}", found.area);
-            assert!((found.elongation() / lengthening - 1.0).abs() < 0.12, "{}", found.elongation());
+            assert!((found.elongation / lengthening - 1.0).abs() < 0.12, "{}", found.elongation);
             // Depth falls from the axis to the wall, so 1.2 radii along the ellipse 1 - 1.2/√2 of it is left, up to a voxel; across the
             // circle nothing.
             assert!(distance(found.shift, [0.0; 3]) < 0.1e-3, "{:?}", found.shift);
@@ -512,7 +512,7 @@ fn there_are_as_many_partitions_as_bell_counted() {
 fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
     let scores = PairTable::of(2, 0.0, |_, _| 1.3);
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let p = pair_probabilities(&scores, &weights)[0].1;
+    let p = pair_probabilities(&scores, &weights)[0];
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
     let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), &weights, &BTreeSet::new());
     assert_eq!(blocks.of_end, [0, 1]);

@@ -19,7 +19,7 @@ use willis_models::contacts::partition::{
     PARTITION_FEATURES, PartitionWeights, SIZES, most_probable_blocks, numbered, pair_probabilities, partition_features,
     partitions, size_of,
 };
-use willis_models::contacts::{Basis, by_cluster, pair_features, split::split};
+use willis_models::contacts::{Basis, pair_features, scores_by_cluster, split::split};
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -91,7 +91,7 @@ impl ContactExample<'_> {
     /// that is known; and how crowded they make the vessels.
     fn found(&self, scores: &[f64], weights: &PartitionWeights) -> (Vec<(f64, bool)>, Crowding) {
         let (network, branches) = (&self.case.network, &self.branches);
-        let blocks = most_probable_blocks(&by_cluster(branches, scores), weights);
+        let blocks = most_probable_blocks(&scores_by_cluster(branches, scores), weights);
         let opened = split(network, branches, &blocks, |joined| joined);
         let crowding = Crowding::new(network, branches, opened.junctions.len());
         let known = self.case.contacts.as_ref().map(|truth| truth.contacts(&opened.graph)).unwrap_or_default();
@@ -102,7 +102,7 @@ impl ContactExample<'_> {
 
     /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
     fn designs(&self, scores: &[f64]) -> Vec<Design> {
-        let tables = by_cluster(&self.branches, scores);
+        let tables = scores_by_cluster(&self.branches, scores);
         let each = tables.iter().zip(&self.classes).filter_map(|(table, classes)| {
             let classes = classes.iter().copied().collect::<Option<Vec<usize>>>()?;
             let ends = Some(classes.len()).filter(|ends| (2..=MOST_ENDS).contains(ends))?;
@@ -249,10 +249,10 @@ impl<'a> Example<'a> for ContactExample<'a> {
             let part = model.part(seen.basis);
             let scores = part.trees.scores(&seen.features);
             let mut probability = Vec::with_capacity(scores.len());
-            for table in by_cluster(&self.branches, &scores) {
+            for table in scores_by_cluster(&self.branches, &scores) {
                 let ends = table.ends();
                 if ends <= MOST_ENDS {
-                    probability.extend(pair_probabilities(&table, &part.weights).into_iter().map(|(_, p)| Some(p)));
+                    probability.extend(pair_probabilities(&table, &part.weights).into_iter().map(Some));
                 } else {
                     probability.extend(std::iter::repeat_n(None, ends * (ends - 1) / 2));
                 }

@@ -62,7 +62,7 @@ fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTub
     let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
     let across = |n: usize| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel());
     let sections: Vec<Section> = (0..INNER).step_by(2).map(across).collect();
-    let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
+    let elongations: Vec<f64> = sections.iter().map(|s| s.elongation).collect();
     let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
     let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
     OfTube {
@@ -78,7 +78,7 @@ fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTub
             (sections.iter().map(|s| s.area).fold(f64::INFINITY, f64::min) / a.area.min(b.area) + 0.1).ln(),
             (most(&|s| s.area, 0.0) / a.area.max(b.area) + 0.1).ln(),
             median(&elongations).unwrap_or(1.0).ln(),
-            most(&Section::elongation, 1.0).ln(),
+            most(&|s| s.elongation, 1.0).ln(),
             most(&|s| s.second, 0.0),
             sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
             most(&|s| norm(s.shift), 0.0) / mean_radius,

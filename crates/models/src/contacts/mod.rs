@@ -39,7 +39,7 @@ pub fn pair_features(branches: &Branches, mask: Option<&Field>, scene: Option<&S
 }
 
 /// Per cluster the scores of its pairs, given those of all pairs.
-pub fn by_cluster(branches: &Branches, scores: &[f64]) -> Vec<PairTable> {
+pub fn scores_by_cluster(branches: &Branches, scores: &[f64]) -> Vec<PairTable> {
     let mut scores = scores.iter().copied();
     let of = |cluster: &Cluster| {
         let ends = cluster.ends.len();
@@ -60,7 +60,7 @@ pub fn with_contacts(
     let branches = Branches::new(network);
     let scene = scene.filter(|_| model.image.is_some());
     let part = model.part(Basis::of(mask, scene));
-    let scores = by_cluster(&branches, &part.trees.scores(&pair_features(&branches, mask, scene)));
+    let scores = scores_by_cluster(&branches, &part.trees.scores(&pair_features(&branches, mask, scene)));
     let blocks = match mask {
         Some(field) => without_narrow_loops(&branches, &scores, &part.weights, field),
         None => most_probable_blocks(&scores, &part.weights),

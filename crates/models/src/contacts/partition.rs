@@ -131,13 +131,13 @@ pub fn most_probable_blocks(scores: &[PairTable], weights: &PartitionWeights) ->
 }
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
-pub fn pair_probabilities(scores: &PairTable, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
+pub fn pair_probabilities(scores: &PairTable, weights: &PartitionWeights) -> Vec<f64> {
     let (all, log) = log_weights(scores, weights);
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();
-    let of = |i: usize, j: usize| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
-    pairs_among(scores.ends()).map(|[i, j]| ([i, j], of(i, j))).collect()
+    let of = |[i, j]: [usize; 2]| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
+    pairs_among(scores.ends()).map(of).collect()
 }
 
 /// Pairs of blocks with a figure of each.
