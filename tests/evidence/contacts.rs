@@ -9,12 +9,12 @@ use crate::command::{data, folder, stderr, willis};
 use crate::draw::Draw;
 use crate::refused::refused;
 use willis::internals::contacts::branches::{BranchEnd, Branches};
-use willis::internals::contacts::features::{PairTable, pairs_of, skeleton_feature_names};
+use willis::internals::contacts::features::{PairTable, pairs_among, skeleton_feature_names};
 use willis::internals::contacts::model::{ContactModel, Crowding};
 use willis::internals::contacts::partition::{Blocks, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions};
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::{Pairings, split};
-use willis::internals::contacts::{Basis, ContactTable};
+use willis::internals::contacts::{Basis, pair_features};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{
     GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, dependents, fragments, if_parted,
@@ -70,12 +70,12 @@ fn a_vessel_that_a_candidate_splits_is_one_branch() {
 
 #[test]
 fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
-    let table = ContactTable::new(&crossing());
-    let features = table.features(None, None);
-    let row = |i, j| table.pairs.iter().position(|p| p.ends == [i, j]).expect("a pair");
-    let ends = &table.branches.clusters[0].ends;
+    let branches = Branches::new(&crossing());
+    let features = pair_features(&branches, None, None);
+    let ends = &branches.clusters[0].ends;
+    let row = |i, j| pairs_among(ends.len()).position(|pair| pair == [i, j]).expect("a pair");
     let end_of =
-        |vessel: usize| ends.iter().position(|end| table.branches.branches[end.branch].vessels[0].0 == vessel).expect("an end");
+        |vessel: usize| ends.iter().position(|end| branches.branches[end.branch].vessels[0].0 == vessel).expect("an end");
     let straight = skeleton_feature_names().iter().position(|name| name == "straight_far").expect("a feature");
     let pair = |a, b| {
         let (i, j) = (end_of(a), end_of(b));
@@ -83,8 +83,7 @@ fn the_ends_of_a_vessel_that_passes_straight_are_the_straightest() {
     };
     assert!(pair(0, 3) > 0.99 && pair(1, 4) > 0.99, "{} {}", pair(0, 3), pair(1, 4));
     assert!(pair(0, 1).abs() < 0.1 && pair(0, 4).abs() < 0.1);
-    assert_eq!(pairs_of(&table.branches).len(), 6);
-    assert_eq!(features.ncols(), Basis::Skeleton.feature_names().len());
+    assert_eq!(features.dim(), (6, Basis::Skeleton.feature_names().len()));
 }
 
 #[test]
@@ -193,7 +192,7 @@ fn the_section_of_a_tube_is_its_circle() {
             let lengthening = if direction[1] > 0.0 { 2.0_f64.sqrt() } else { 1.0 };
             let truth = PI * (radius * 0.5e-3).powi(2) * lengthening;
             assert!((found.area / truth - 1.0).abs() < 0.12, "{radius} {direction:?}: {} of {truth}", found.area);
-            assert!((found.elongation() / lengthening - 1.0).abs() < 0.12, "{}", found.elongation());
+            assert!((found.elongation / lengthening - 1.0).abs() < 0.12, "{}", found.elongation);
             // Depth falls from the axis to the wall, so 1.2 radii along the ellipse 1 - 1.2/√2 of it is left, up to a voxel; across the
             // circle nothing.
             assert!(distance(found.shift, [0.0; 3]) < 0.1e-3, "{:?}", found.shift);
@@ -513,9 +512,9 @@ fn there_are_as_many_partitions_as_bell_counted() {
 fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
     let scores = PairTable::of(2, 0.0, |_, _| 1.3);
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let p = pair_probabilities(&scores, 2, &weights)[0].1;
+    let p = pair_probabilities(&scores, &weights)[0];
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
-    let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), 2, &weights, &BTreeSet::new());
+    let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), &weights, &BTreeSet::new());
     assert_eq!(blocks.of_end, [0, 1]);
     assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
 }
@@ -525,7 +524,7 @@ fn a_crossing_is_two_vessels() {
     // 0-1 and 2-3 pass straight through, the rest bends.
     let scores = PairTable::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let blocks = most_probable(&scores, 4, &weights, &BTreeSet::new());
+    let blocks = most_probable(&scores, &weights, &BTreeSet::new());
     assert_eq!(blocks.of_end, [0, 0, 1, 1]);
     // By hand: of the fifteen partitions those where a pair of the two vessels is together.
     let joined =
@@ -549,5 +548,5 @@ fn a_crossing_is_two_vessels() {
 #[test]
 fn a_clump_is_put_together_while_that_pays() {
     let scores = PairTable::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
-    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], &BTreeSet::new()).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_eq!(most_probable(&scores, &[[0.0; PARTITION_FEATURES]; SIZES], &BTreeSet::new()).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
 }

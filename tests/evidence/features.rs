@@ -4,7 +4,7 @@ use crate::draw::Draw;
 use crate::extracted::extracted;
 use crate::vessels;
 use willis::internals::candidates::features::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, log_detour, measured, relative_size, root_features,
+    Extraction, FEATURES, FEEDBACK_FEATURES, features, feedback_features, log_detour, measured, relative_size, root_features,
 };
 use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::forest_posterior;
@@ -160,7 +160,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
     let roots: Vec<f64> = vec![0.2, -0.3, -0.4];
     let forests = Forests::new(roots.clone(), each.collect()).expect("forests");
     let all = marginals(&forests);
-    let got = Feedback::new(&extraction, &bridges).features(&forests, &all);
+    let got = feedback_features(&extraction, &bridges, &forests, &all);
     let p = &all.edges;
     let [vessel, child, third] = [node(-10.0, 0.0), node(0.0, 5.0), node(6.0, 5.0)].map(fragment);
     // Blood enters the vessel on the left with the inlet, on the right with the last bridge.
@@ -215,7 +215,7 @@ fn a_loop_has_no_direction() {
     let bridges: Vec<EndCandidate> =
         search(&extraction, &SearchOptions::default()).unwrap().into_iter().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &bridges);
-    let got = Feedback::new(&extraction, &bridges).features(&forests, &marginals(&forests));
+    let got = feedback_features(&extraction, &bridges, &forests, &marginals(&forests));
     let (mut on_ring, mut on_tail) = (0, 0);
     for (bridge, x) in bridges.iter().zip(got.rows()).filter(|(b, _)| extraction.end_at[b.point].is_none()) {
         let p = extraction.position[bridge.point];
@@ -331,7 +331,7 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
     let columns = features(&extraction, &bridges);
     let between: Vec<EndCandidate> = bridges.iter().copied().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &between);
-    let feedback = Feedback::new(&extraction, &between).features(&forests, &marginals(&forests));
+    let feedback = feedback_features(&extraction, &between, &forests, &marginals(&forests));
     let mut feedback = feedback.rows().into_iter();
     let rows = bridges.iter().zip(columns.rows()).map(|(b, x)| {
         let more = if b.within { vec![0.0; FEEDBACK_FEATURES.len()] } else { feedback.next().expect("a row").to_vec() };

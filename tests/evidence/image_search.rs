@@ -2,7 +2,7 @@
 
 use willis::internals::candidates::joins::image::ways::Ahead;
 use willis::internals::candidates::search::{SearchOptions, search};
-use willis::internals::contacts::{Basis, ContactTable};
+use willis::internals::contacts::{Basis, branches::Branches, features::pairs_among, pair_features};
 use willis::internals::masks::scene::Bits;
 use willis::internals::masks::{Appearance, Field, Foreground, Image, Mask, Picture, ScanCenterlines, Scene, View};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, metres};
@@ -97,17 +97,17 @@ fn between_two_lumens_that_touch_the_image_has_a_dip() {
     let of_both = |d: f64, e: f64| (-0.5 * d * d / wide).exp() + (-0.5 * e * e / wide).exp();
     let halfway = of_both(0.5 * gap, 0.5 * gap) / of_both(0.0, gap);
     assert!(halfway < 0.8, "{halfway}");
-    let table = ContactTable::new(&network);
-    let features = table.features(Some(&field), Some(&scene));
+    let branches = Branches::new(&network);
+    let features = pair_features(&branches, Some(&field), Some(&scene));
     let names = Basis::Image.feature_names();
     assert_eq!(features.dim(), (6, names.len()));
     let column = |name: &str| names.iter().position(|other| other == name).expect("a feature");
     // The branches were added in the order of their ends: the first two are one vessel, and so are the last two.
-    let cluster = &table.branches.clusters[0];
+    let cluster = &branches.clusters[0];
     let vessel = |end: usize| cluster.ends[end].branch / 2;
-    for (row, pair) in table.pairs.iter().enumerate() {
+    for (row, pair) in pairs_among(cluster.ends.len()).enumerate() {
         let of = |name: &str| f64::from(features[[row, column(name)]]);
-        let is_one = vessel(pair.ends[0]) == vessel(pair.ends[1]);
+        let is_one = vessel(pair[0]) == vessel(pair[1]);
         let (saddle, dip) = (of("image_saddle"), of("image_dip"));
         let expected = if is_one { 1.0 } else { halfway };
         assert!((saddle - expected).abs() < 0.1, "{pair:?}: saddle {saddle}");

@@ -8,7 +8,7 @@ use std::process::Command;
 use crate::extracted::extracted;
 use ndarray::Array2;
 use willis::internals::candidates::features::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, features, root_features,
+    Extraction, FEATURES, FEEDBACK_FEATURES, ROOT_FEATURES, features, feedback_features, root_features,
 };
 use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::forest_posterior;
@@ -57,7 +57,7 @@ fn feedback(e: &Extraction, bridges: &[EndCandidate], x: &Array2<f64>) -> Array2
     let slim = ROOT_FEATURES.iter().position(|(n, _)| *n == "slim").expect("a feature");
     let roots = root_features(e).column(slim).iter().map(|slim| slim - 4.0).collect();
     let forests = Forests::new(roots, rows.iter().map(weighed).collect()).expect("forests");
-    let of_between = Feedback::new(e, &between).features(&forests, &marginals(&forests));
+    let of_between = feedback_features(e, &between, &forests, &marginals(&forests));
     let mut out = Array2::zeros((bridges.len(), FEEDBACK_FEATURES.len()));
     for (row, features) in rows.iter().zip(of_between.rows()) {
         out.row_mut(*row).assign(&features);

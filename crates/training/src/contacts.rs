@@ -12,12 +12,14 @@ use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::M
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
 use willis_models::candidates::resample::{CenterlineKind, Resampled};
-use willis_models::contacts::branches::MOST_ENDS;
+use willis_models::contacts::branches::{Branches, MOST_ENDS};
+use willis_models::contacts::features::pairs_among;
 use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, Crowding, NOT_CALIBRATED};
 use willis_models::contacts::partition::{
-    PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
+    PARTITION_FEATURES, PartitionWeights, SIZES, most_probable_blocks, numbered, pair_probabilities, partition_features,
+    partitions, size_of,
 };
-use willis_models::contacts::{Basis, ContactTable, split::split};
+use willis_models::contacts::{Basis, pair_features, scores_by_cluster, split::split};
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -29,8 +31,8 @@ const ITERATIONS: usize = 200;
 pub struct ContactExample<'a> {
     /// The case.
     pub case: &'a Case,
-    /// Its contacts.
-    pub table: ContactTable,
+    /// Its branches and clusters.
+    pub branches: Branches,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
@@ -46,24 +48,21 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
         let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
         let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
         let field = lumen.as_ref().map(Field::of);
-        let table = ContactTable::new(&case.network);
-        let classes = case.contacts.as_ref().map(|truth| truth.classes(&table.branches)).unwrap_or_default();
-        let joined = table.pairs.iter().map(|pair| {
-            let [a, b] = pair.ends.map(|end| classes.get(pair.cluster).and_then(|of| of[end]));
-            Some(a? == b?)
-        });
-        let joined: Vec<Option<bool>> = joined.collect();
+        let branches = Branches::new(&case.network);
+        let unknown = || branches.clusters.iter().map(|cluster| vec![None; cluster.ends.len()]).collect();
+        let classes: Vec<Vec<Option<usize>>> = case.contacts.as_ref().map_or_else(unknown, |truth| truth.classes(&branches));
+        let joined = classes.iter().flat_map(|of| pairs_among(of.len()).map(|[a, b]| Some(of[a]? == of[b]?))).collect();
         let extraction = Resampled::new(&case.network, CenterlineKind::Skeleton).extraction(&[])?;
         let mut seen = Vec::new();
         let mut see = |basis, image, features| seen.push(SeenPairs { basis, image, features });
-        see(Basis::Skeleton, String::new(), table.features(None, None));
+        see(Basis::Skeleton, String::new(), pair_features(&branches, None, None));
         if let Some(field) = &field {
-            see(Basis::Mask, String::new(), table.features(Some(field), None));
+            see(Basis::Mask, String::new(), pair_features(&branches, Some(field), None));
             for path in &case.images {
-                see(Basis::Image, image_name(path), table.features(Some(field), Some(&shown(path, &extraction)?)));
+                see(Basis::Image, image_name(path), pair_features(&branches, Some(field), Some(&shown(path, &extraction)?)));
             }
         }
-        Ok(Self { case, table, joined, classes, seen })
+        Ok(Self { case, branches, joined, classes, seen })
     }
 
     fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
@@ -91,8 +90,9 @@ impl ContactExample<'_> {
     /// The contacts that are found by some scores of pairs: how probably the partitions join each, and whether it is one vessel, as far as
     /// that is known; and how crowded they make the vessels.
     fn found(&self, scores: &[f64], weights: &PartitionWeights) -> (Vec<(f64, bool)>, Crowding) {
-        let (network, branches) = (&self.case.network, &self.table.branches);
-        let opened = split(network, branches, &self.table.blocks(&self.table.by_cluster(scores), weights), |joined| joined);
+        let (network, branches) = (&self.case.network, &self.branches);
+        let blocks = most_probable_blocks(&scores_by_cluster(branches, scores), weights);
+        let opened = split(network, branches, &blocks, |joined| joined);
         let crowding = Crowding::new(network, branches, opened.junctions.len());
         let known = self.case.contacts.as_ref().map(|truth| truth.contacts(&opened.graph)).unwrap_or_default();
         let contacts = opened.graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
@@ -102,7 +102,7 @@ impl ContactExample<'_> {
 
     /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
     fn designs(&self, scores: &[f64]) -> Vec<Design> {
-        let tables = self.table.by_cluster(scores);
+        let tables = scores_by_cluster(&self.branches, scores);
         let each = tables.iter().zip(&self.classes).filter_map(|(table, classes)| {
             let classes = classes.iter().copied().collect::<Option<Vec<usize>>>()?;
             let ends = Some(classes.len()).filter(|ends| (2..=MOST_ENDS).contains(ends))?;
@@ -249,10 +249,10 @@ impl<'a> Example<'a> for ContactExample<'a> {
             let part = model.part(seen.basis);
             let scores = part.trees.scores(&seen.features);
             let mut probability = Vec::with_capacity(scores.len());
-            for (table, cluster) in self.table.by_cluster(&scores).iter().zip(&self.table.branches.clusters) {
-                let ends = cluster.ends.len();
+            for table in scores_by_cluster(&self.branches, &scores) {
+                let ends = table.ends();
                 if ends <= MOST_ENDS {
-                    probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
+                    probability.extend(pair_probabilities(&table, &part.weights).into_iter().map(Some));
                 } else {
                     probability.extend(std::iter::repeat_n(None, ends * (ends - 1) / 2));
                 }

@@ -9,7 +9,7 @@ use super::minimise::{calibrate, logistic, minimise, spread};
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Forests, Marginals, arborescence, log_likelihood, marginals};
 use willis_core::support::{in_order, model_provenance::ModelProvenance};
-use willis_models::candidates::features::Feedback;
+use willis_models::candidates::features::feedback_features;
 use willis_models::candidates::model::weights::input_features;
 use willis_models::candidates::model::{
     Closure, PassWeights, Usual, Weights, attachment_scores, closures, is_cut, last_pass, root_scores,
@@ -99,7 +99,7 @@ pub fn fit(
         if number > 0 {
             designs = in_order(examples, |at, e| {
                 let (forests, marginals) = &posteriors[at];
-                Cow::Owned(e.table.features_and(&Feedback::new(&e.extraction, &e.table.candidates).features(forests, marginals)))
+                Cow::Owned(e.table.features_and(&feedback_features(&e.extraction, &e.table.candidates, forests, marginals)))
             });
         }
         let objective = Objective::new(examples, &designs, params.l2);

@@ -133,8 +133,6 @@ pub struct NewEnd {
     pub place: NetworkPoint,
     /// The place on the path of the vessel that is split there; `None` at a node.
     pub on_path: Option<PathPlace>,
-    /// Its position where its node has none, m.
-    pub position: Point,
 }
 
 /// A candidate that becomes a vessel.
@@ -145,8 +143,8 @@ pub struct NewVessel {
     pub radii: [f64; 2],
     /// What the evidence says of it; `None` without evidence.
     pub evidence: Option<Evidence>,
-    /// Its course (m) from the free end to the point, where that is known; else it is straight.
-    pub course: Option<Vec<Point>>,
+    /// The points (m) between its ends, from the free end on; none of a straight one.
+    pub course: Vec<Point>,
 }
 
 impl NewVessel {
@@ -157,9 +155,9 @@ impl NewVessel {
                 NetworkPoint::Along { vessel, point } => Some(resampled.places[vessel][point]),
                 NetworkPoint::Node(_) => None,
             };
-            NewEnd { place: cluster.in_whole(e.place[point]), on_path, position: e.position[point] }
+            NewEnd { place: cluster.in_whole(e.place[point]), on_path }
         });
-        Self { ends, radii: c.points(e).map(|point| e.radius_at(point)), evidence: None, course: None }
+        Self { ends, radii: c.points(e).map(|point| e.radius_at(point)), evidence: None, course: Vec::new() }
     }
 }
 
@@ -191,10 +189,9 @@ pub fn over_connected(network: &Network, mut found: Vec<NewVessel>, options: &Ca
             CandidateRadius::Mean => 0.5 * (a + b),
         };
         let radius = options.max_radius.map_or(radius, |most| radius.min(most));
-        let [from, to] = [0, 1].map(|end| graph.node(ends[end]).position.unwrap_or(new.ends[end].position));
-        let course = new.course.as_deref().unwrap_or_default();
-        let inner = course.get(1..course.len().saturating_sub(1)).unwrap_or_default();
-        let points = std::iter::once(from).chain(inner.iter().copied()).chain([to]);
+        // An extraction has the position of every node.
+        let [from, to] = ends.map(|node| graph.node(node).position.unwrap_or_default());
+        let points = std::iter::once(from).chain(new.course).chain([to]);
         let path: Vec<PathPoint> = points.map(|position| PathPoint { position, radius, id: None }).collect();
         let length = length_of(&path);
         let prior = new.evidence.map_or(1.0, |e| e.probability);

@@ -5,9 +5,9 @@
 //! R is the radius of the cluster's core, ρ = 1.5 R.
 
 use super::branches::{Branches, Cluster};
-use super::features::{Pair, PairTable, pairs_among, sorted};
+use super::features::{PairTable, pairs_among, sorted};
 use super::sections::{AROUND, HALF_WIDTH, INNER, LumenArm, LumenTube, Section, across, principal, section};
-use willis_core::support::geometry::{Point, cross, distance, dot, lerp, norm, sub};
+use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, norm, sub};
 use willis_core::support::statistics::median;
 use willis_io::masks::{Field, Scene};
 
@@ -62,7 +62,7 @@ fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTub
     let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
     let across = |n: usize| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel());
     let sections: Vec<Section> = (0..INNER).step_by(2).map(across).collect();
-    let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
+    let elongations: Vec<f64> = sections.iter().map(|s| s.elongation).collect();
     let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
     let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
     OfTube {
@@ -78,7 +78,7 @@ fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTub
             (sections.iter().map(|s| s.area).fold(f64::INFINITY, f64::min) / a.area.min(b.area) + 0.1).ln(),
             (most(&|s| s.area, 0.0) / a.area.max(b.area) + 0.1).ln(),
             median(&elongations).unwrap_or(1.0).ln(),
-            most(&Section::elongation, 1.0).ln(),
+            most(&|s| s.elongation, 1.0).ln(),
             most(&|s| s.second, 0.0),
             sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
             most(&|s| norm(s.shift), 0.0) / mean_radius,
@@ -121,9 +121,7 @@ fn around(field: &Field, c: &Cluster, arms: &[LumenArm]) -> (Vec<Point>, [f64; 3
     let reach = (1.6 * rho).max(span + 0.8 * rho);
     let places = field.voxels_around(centre, reach);
     let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
-    let n = places.len().max(1) as f64;
-    let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-    let [(least, normal), (middle, _), (most, _)] = principal(&places, sum.map(|x| x / n));
+    let [(least, normal), (middle, _), (most, _)] = principal(&places, centroid(places.iter().copied()));
     let most = most.max(f64::MIN_POSITIVE);
     let volume = (places.len() as f64 * field.voxel_volume() / expected + 0.05).ln();
     (places, [volume, 1.0 - middle / most, (middle - least) / most], normal)
@@ -138,13 +136,13 @@ fn share(a: &[bool], b: &[bool]) -> f64 {
 const MOST_PAIRS: usize = 15;
 
 /// Cover of places by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
-fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
+fn covers(places: &[Point], pairs: &[[usize; 2]], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
     let covered_by = |tube: &LumenTube| {
         let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
         places.iter().map(near).collect()
     };
     let covered: Vec<Vec<bool>> = tubes.iter().map(covered_by).collect();
-    let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
+    let disjoint = |a: usize, b: usize| pairs[a].iter().all(|end| !pairs[b].contains(end));
     let searched = if pairs.len() <= MOST_PAIRS { pairs.len() } else { 0 };
     let two = pairs_among(searched).filter(|[a, b]| disjoint(*a, *b));
     let two: Vec<(usize, usize, f64)> = two.map(|[a, b]| (a, b, share(&covered[a], &covered[b]))).collect();
@@ -166,26 +164,26 @@ fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> 
 /// More ends than this are not paired.
 const MOST_PAIRED: usize = 8;
 
-/// The gains of pairing two of so many ends; zeros where they are too many.
-fn pairing_gains(table: &PairTable, ends: usize) -> PairTable {
-    if ends <= MOST_PAIRED { table.pairing_gains() } else { PairTable::of(ends, 0.0, |_, _| 0.0) }
+/// The gains of pairing two ends; zeros where they are too many.
+fn pairing_gains(table: &PairTable) -> PairTable {
+    if table.ends() <= MOST_PAIRED { table.pairing_gains() } else { PairTable::of(table.ends(), 0.0, |_, _| 0.0) }
 }
 
-/// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`] where there is an image.
-pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
-    let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
-    willis_core::support::in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, pairs)).concat()
+/// The features of the pairs of ends of each cluster, a row of [`MASK_FEATURES`] each, and of [`IMAGE_FEATURES`] where there is an image.
+pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches) -> Vec<Vec<f64>> {
+    willis_core::support::in_order(&branches.clusters, |_, c| of_cluster(field, scene, branches, c)).concat()
 }
 
-fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
-    let cluster = pairs[0].cluster;
-    let c = &branches.clusters[cluster];
-    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, cluster, end)).collect();
-    let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
-    let found: Vec<OfTube> =
-        pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
+fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, c: &Cluster) -> Vec<Vec<f64>> {
+    let pairs: Vec<[usize; 2]> = pairs_among(c.ends.len()).collect();
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let arms: Vec<LumenArm> = c.ends.iter().map(|end| LumenArm::new(field, branches, c, *end)).collect();
+    let tubes: Vec<LumenTube> = pairs.iter().map(|[i, j]| LumenTube::new(&arms[*i], &arms[*j])).collect();
+    let found: Vec<OfTube> = pairs.iter().zip(&tubes).map(|([i, j], tube)| of_tube(field, &arms[*i], &arms[*j], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
-    let cover = covers(&places, pairs, &tubes, field.voxel());
+    let cover = covers(&places, &pairs, &tubes, field.voxel());
     let table = |f: fn(&OfTube) -> f64| PairTable::over(arms.len(), -9.0, found.iter().map(f));
     let straight = table(|t| -t.miss[1]);
     let signed = table(|t| t.signed[1]);
@@ -202,9 +200,9 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let rivals = (arms.len() - 1) as f64;
     let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
-    let gains = [&fit, &straight].map(|table| pairing_gains(table, arms.len()));
+    let gains = [&fit, &straight].map(pairing_gains);
     let of_pair = |n: usize| -> Vec<f64> {
-        let ends = pairs[n].ends;
+        let ends = pairs[n];
         let [a, b] = ends.map(|end| &arms[end]);
         let t = &found[n];
         let to_widest = sorted([a, b].map(|arm| (arm.area / widest).ln()));
@@ -230,7 +228,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     };
     let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
     if let Some(scene) = scene {
-        let shown = of_image(scene, field, c, &arms, &tubes, pairs);
+        let shown = of_image(scene, field, c, &arms, &tubes);
         rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
     }
     rows
@@ -253,8 +251,9 @@ const BEND: [f64; 2] = [0.7, 0.5];
 const MOST_STEPS: f64 = 10.0;
 
 /// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
-fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube], pairs: &[Pair]) -> Vec<Vec<f64>> {
+fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube]) -> Vec<Vec<f64>> {
     let (voxel, centre) = (field.voxel(), c.centre());
+    let pairs = || pairs_among(arms.len());
     let level = scene.level(centre);
     let contrast = |p: Point| scene.brightness(p).map_or(0.0, |x| x - level.background);
     let least = LEAST_CONTRAST * scene.typical;
@@ -263,31 +262,30 @@ fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes:
     let bright: Vec<f64> = arms.iter().map(of_arm).collect();
     let brightest = bright.iter().copied().fold(least, f64::max);
     let saddles = saddles(&contrast, voxel, centre, arms);
-    let dimmer = |pair: &Pair| bright[pair.ends[0]].min(bright[pair.ends[1]]);
-    let see = |(pair, tube): (&Pair, &LumenTube)| {
+    let dimmer = |[i, j]: [usize; 2]| bright[i].min(bright[j]);
+    let see = |(pair, tube): ([usize; 2], &LumenTube)| {
         let m = dimmer(pair);
-        shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube)
+        shown(&|p| contrast(p) / m, voxel, pair.map(|end| &arms[end]), tube)
     };
-    let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
-    let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
+    let shown: Vec<Vec<f64>> = pairs().zip(tubes).map(see).collect();
     let tube = PairTable::over(arms.len(), -9.0, shown.iter().map(|shown| shown[0] + shown[1]));
-    let saddle = PairTable::over(arms.len(), -9.0, pairs.iter().map(saddle_of));
+    let saddle = PairTable::of(arms.len(), -9.0, |i, j| saddles.get(i, j) / dimmer([i, j]));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
-    let gains = [&tube, &saddle, &ratio].map(|table| pairing_gains(table, arms.len()));
-    let of_pair = |(pair, shown): (&Pair, &Vec<f64>)| {
-        let m = dimmer(pair);
-        let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
+    let gains = [&tube, &saddle, &ratio].map(pairing_gains);
+    let of_pair = |([i, j], shown): ([usize; 2], &Vec<f64>)| {
+        let m = dimmer([i, j]);
+        let [a, b] = [i, j].map(|end| (bright[end] / brightest).ln());
         let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend_from_slice(shown);
-        out.extend([saddle_of(pair), saddle_of(pair) * m / level.noise]);
-        out.extend(tube.margins(pair.ends, 0.0));
-        out.extend(saddle.margins(pair.ends, 0.0));
-        out.extend(ratio.margins(pair.ends, -1.0));
-        out.extend(gains.each_ref().map(|table| table.get(pair.ends[0], pair.ends[1])));
+        out.extend([saddle.get(i, j), saddle.get(i, j) * m / level.noise]);
+        out.extend(tube.margins([i, j], 0.0));
+        out.extend(saddle.margins([i, j], 0.0));
+        out.extend(ratio.margins([i, j], -1.0));
+        out.extend(gains.each_ref().map(|table| table.get(i, j)));
         out
     };
-    pairs.iter().zip(&shown).map(of_pair).collect()
+    pairs().zip(&shown).map(of_pair).collect()
 }
 
 /// What one pair shows along its tube, the least and the mean contrast first.
@@ -329,7 +327,7 @@ fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tu
 }
 
 /// Per pair of arms the highest contrast that a way from the middle of one to that of the other need not fall below, near the cluster.
-fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> Vec<f64> {
+fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> PairTable {
     let reach = arms.iter().map(|arm| distance(arm.middle, centre)).fold(voxel, f64::max) + 2.0 * voxel;
     let steps = (reach / voxel).ceil().min(MOST_STEPS);
     let (step, half) = (reach / steps, steps as isize);
@@ -350,18 +348,12 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
     for (arm, of) in arms.iter().enumerate() {
         of_root[nearest(of.middle)].push(arm);
     }
-    let count = arms.len();
-    let mut out = vec![0.0; count * count];
-    let mut met = |a: usize, b: usize, value: f64| {
-        out[a * count + b] = value;
-        out[b * count + a] = value;
-    };
-    let mut open = count;
+    let (mut out, mut open) = (PairTable::of(arms.len(), 0.0, |_, _| 0.0), arms.len());
     for at in order {
         reached[at] = true;
         // Several middles in one place.
         for (n, a) in of_root[at].iter().enumerate() {
-            of_root[at][n + 1..].iter().for_each(|b| met(*a, *b, value[at]));
+            of_root[at][n + 1..].iter().for_each(|b| out.set([*a, *b], value[at]));
         }
         open -= of_root[at].len().saturating_sub(1);
         let o = offset(at as isize);
@@ -381,7 +373,7 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
             let (from, root) = if trees.find(a) == a { (b, a) } else { (a, b) };
             let moved = std::mem::take(&mut of_root[from]);
             for i in &moved {
-                of_root[root].iter().for_each(|j| met(*i, *j, value[at]));
+                of_root[root].iter().for_each(|j| out.set([*i, *j], value[at]));
             }
             open -= usize::from(!moved.is_empty() && !of_root[root].is_empty());
             of_root[root].extend(moved);

@@ -38,21 +38,6 @@ pub fn skeleton_feature_names() -> Vec<String> {
     pairs.chain(branches).collect()
 }
 
-/// A pair of ends that meet at a cluster, by their places among its ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pair {
-    /// The cluster.
-    pub cluster: usize,
-    /// The two ends, the lower first.
-    pub ends: [usize; 2],
-}
-
-/// All pairs, cluster by cluster.
-pub fn pairs_of(branches: &Branches) -> Vec<Pair> {
-    let of = |(cluster, c): (usize, &Cluster)| pairs_among(c.ends.len()).map(move |ends| Pair { cluster, ends });
-    branches.clusters.iter().enumerate().flat_map(of).collect()
-}
-
 /// All pairs of so many things, the lower first.
 pub fn pairs_among(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..count).flat_map(move |i| (i + 1..count).map(move |j| [i, j]))
@@ -182,11 +167,19 @@ impl PairTable {
 
     /// The table of so many ends, given the value of every pair of them in order; `nothing` for ends that are no pair.
     pub fn over(size: usize, nothing: f64, of_pairs: impl Iterator<Item = f64>) -> Self {
-        let mut values = vec![nothing; size * size];
-        for ([i, j], value) in pairs_among(size).zip(of_pairs) {
-            (values[i * size + j], values[j * size + i]) = (value, value);
-        }
-        Self { size, values }
+        let mut table = Self { size, values: vec![nothing; size * size] };
+        pairs_among(size).zip(of_pairs).for_each(|(pair, value)| table.set(pair, value));
+        table
+    }
+
+    /// Sets the value of two ends.
+    pub fn set(&mut self, [i, j]: [usize; 2], value: f64) {
+        (self.values[i * self.size + j], self.values[j * self.size + i]) = (value, value);
+    }
+
+    /// How many ends there are.
+    pub fn ends(&self) -> usize {
+        self.size
     }
 
     /// The value of two ends.
@@ -230,8 +223,8 @@ impl PairTable {
     }
 }
 
-/// The features of pairs, each a row of [`skeleton_feature_names`].
-pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
+/// The features of the pairs of ends of each cluster, a row of [`skeleton_feature_names`] each.
+pub fn skeleton_features(branches: &Branches) -> Vec<Vec<f64>> {
     let coarse = Coarse::new(branches);
     let of_branch = branch_features(branches);
     let all: Vec<f64> = branches.branches.iter().flat_map(|b| b.points.iter().map(|p| p.radius)).collect();
@@ -239,15 +232,11 @@ pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let mut paths = ShortestPaths::new(coarse.next.len());
     let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
     let mut inside = ShortestPaths::new(nodes);
-    let mut out = Vec::with_capacity(pairs.len());
-    for pairs in pairs.chunk_by(|a, b| a.cluster == b.cluster) {
-        let cluster = pairs[0].cluster;
-        let of_pairs = of_cluster(branches, &coarse, [&mut paths, &mut inside], pairs, typical);
-        for (pair, mut row) in pairs.iter().zip(of_pairs) {
-            let [a, b] = pair.ends.map(|end| {
-                let end = branches.clusters[cluster].ends[end];
-                &of_branch[end.branch][usize::from(end.last)]
-            });
+    let mut out = Vec::new();
+    for (cluster, c) in branches.clusters.iter().enumerate() {
+        let of_pairs = of_cluster(branches, &coarse, [&mut paths, &mut inside], cluster, typical);
+        for (pair, mut row) in pairs_among(c.ends.len()).zip(of_pairs) {
+            let [a, b] = pair.map(|end| &of_branch[c.ends[end].branch][usize::from(c.ends[end].last)]);
             row.extend((0..a.len()).map(|k| a[k].min(b[k])));
             row.extend((0..a.len()).map(|k| a[k].max(b[k])));
             out.push(row);
@@ -257,9 +246,8 @@ pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
 }
 
 /// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `usual` is the radius of most points, m.
-fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 2], pairs: &[Pair], usual: f64) -> Vec<Vec<f64>> {
+fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 2], cluster: usize, usual: f64) -> Vec<Vec<f64>> {
     let [paths, inside] = paths;
-    let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
     let rho = 1.5 * c.radius;
     let (mut along, mut radius): (Vec<[Point; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -307,8 +295,7 @@ fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 
     let core = c.radius.max(f64::MIN_POSITIVE);
     let widest = radius.iter().copied().fold(0.0, f64::max).ln();
     let is_free = |end: &&usize| branches.cluster(c.ends[**end].other()).is_none();
-    let of_pair = |pair: &Pair| {
-        let ends = pair.ends;
+    let of_pair = |ends: [usize; 2]| {
         let [i, j] = ends;
         let radii = ends.map(|end| radius[end].ln());
         let [thin, wide] = sorted(radii);
@@ -327,5 +314,5 @@ fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 
         row.extend([met[0], met[1], near.get(i, j) * step, ways, (core / usual).ln()]);
         row
     };
-    pairs.iter().map(of_pair).collect()
+    pairs_among(count).map(of_pair).collect()
 }

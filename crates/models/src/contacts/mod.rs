@@ -19,55 +19,33 @@ pub use model::Basis;
 use ndarray::Array2;
 
 use branches::{Branches, Cluster};
-use features::{Pair, PairTable, pairs_among, pairs_of, skeleton_features};
+use features::{PairTable, pairs_among, skeleton_features};
 use model::{ContactModel, Crowding};
-use partition::{Blocks, PartitionWeights, most_probable, without_narrow_loops};
+use partition::{most_probable_blocks, without_narrow_loops};
 use split::{Opened, split};
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
 use willis_io::masks::{Field, Scene};
 
-/// The contacts of a network.
-pub struct ContactTable {
-    /// Branches and clusters.
-    pub branches: Branches,
-    /// Pairs of ends, cluster by cluster.
-    pub pairs: Vec<Pair>,
+/// What is measured of the pairs of ends of each cluster, cluster by cluster: a row a pair, a column one of [`Basis::feature_names`]. Where there is
+/// a mask the skeleton's own features are left out: on manual masks they mislead.
+pub fn pair_features(branches: &Branches, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
+    let rows = match mask {
+        Some(field) => evidence::mask_features(field, scene, branches),
+        None => skeleton_features(branches),
+    };
+    let columns = Basis::of(mask, scene).feature_names().len();
+    Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
 }
 
-impl ContactTable {
-    /// The contacts of the observed vessels of a network, whose nodes have positions.
-    pub fn new(network: &Network) -> Self {
-        let branches = Branches::new(network);
-        Self { pairs: pairs_of(&branches), branches }
-    }
-
-    /// What is measured of the pairs, a row each, a column one of [`Basis::feature_names`]. Where there is a mask the skeleton's own features
-    /// are left out: on manual masks they mislead.
-    pub fn features(&self, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
-        let rows = match mask {
-            Some(field) => evidence::mask_features(field, scene, &self.branches, &self.pairs),
-            None => skeleton_features(&self.branches, &self.pairs),
-        };
-        let columns = Basis::of(mask, scene).feature_names().len();
-        Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
-    }
-
-    /// Per cluster the scores of its pairs, given those of all pairs.
-    pub fn by_cluster(&self, scores: &[f64]) -> Vec<PairTable> {
-        let mut scores = scores.iter().copied();
-        let of = |cluster: &Cluster| {
-            let ends = cluster.ends.len();
-            PairTable::over(ends, 0.0, scores.by_ref().take(pairs_among(ends).count()))
-        };
-        self.branches.clusters.iter().map(of).collect()
-    }
-
-    /// The most probable blocks of each cluster, given the scores of its pairs.
-    pub fn blocks(&self, tables: &[PairTable], weights: &PartitionWeights) -> Vec<Blocks> {
-        let clusters = tables.iter().zip(&self.branches.clusters);
-        clusters.map(|(table, c)| most_probable(table, c.ends.len(), weights, &std::collections::BTreeSet::new())).collect()
-    }
+/// Per cluster the scores of its pairs, given those of all pairs.
+pub fn scores_by_cluster(branches: &Branches, scores: &[f64]) -> Vec<PairTable> {
+    let mut scores = scores.iter().copied();
+    let of = |cluster: &Cluster| {
+        let ends = cluster.ends.len();
+        PairTable::over(ends, 0.0, scores.by_ref().take(pairs_among(ends).count()))
+    };
+    branches.clusters.iter().map(of).collect()
 }
 
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
@@ -79,15 +57,15 @@ pub fn with_contacts(
     scene: Option<&Scene>,
     model: &ContactModel,
 ) -> (Opened, Option<String>) {
-    let table = ContactTable::new(network);
+    let branches = Branches::new(network);
     let scene = scene.filter(|_| model.image.is_some());
     let part = model.part(Basis::of(mask, scene));
-    let tables = table.by_cluster(&part.trees.scores(&table.features(mask, scene)));
-    let mut blocks = table.blocks(&tables, &part.weights);
-    if let Some(field) = mask {
-        blocks = without_narrow_loops(&table.branches, &tables, blocks, &part.weights, field);
-    }
-    let opened = split(network, &table.branches, &blocks, |joined| part.probability(joined));
-    let here = Crowding::new(network, &table.branches, opened.junctions.len());
+    let scores = scores_by_cluster(&branches, &part.trees.scores(&pair_features(&branches, mask, scene)));
+    let blocks = match mask {
+        Some(field) => without_narrow_loops(&branches, &scores, &part.weights, field),
+        None => most_probable_blocks(&scores, &part.weights),
+    };
+    let opened = split(network, &branches, &blocks, |joined| part.probability(joined));
+    let here = Crowding::new(network, &branches, opened.junctions.len());
     (opened, part.crowding.and_then(|most| here.unlike(most)))
 }

@@ -48,7 +48,7 @@ pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
 /// The features of a partition: the scores of pairs in one block, the negative ones alone, blocks, blocks of one, blocks of two (from
 /// four ends on), and whether exactly one pair is left together (from three ends on).
 pub fn partition_features(blocks: &[usize], scores: &PairTable) -> [f64; PARTITION_FEATURES] {
-    let ends = blocks.len();
+    let ends = scores.ends();
     let (mut sum, mut against) = (0.0, 0.0);
     for [i, j] in pairs_among(ends).filter(|[i, j]| blocks[*i] == blocks[*j]) {
         sum += scores.get(i, j);
@@ -92,19 +92,19 @@ impl Blocks {
 }
 
 /// The set partitions of the ends of a cluster, with the logarithm of the weight of each.
-fn log_weights(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> (Vec<Vec<usize>>, Vec<f64>) {
-    let (theta, all) = (weights[size_of(ends)], partitions(ends));
+fn log_weights(scores: &PairTable, weights: &PartitionWeights) -> (Vec<Vec<usize>>, Vec<f64>) {
+    let (theta, all) = (weights[size_of(scores.ends())], partitions(scores.ends()));
     let log_weight = |z: &Vec<usize>| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum();
     let log = all.iter().map(log_weight).collect();
     (all, log)
 }
 
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs and the pairs that must stay apart, the lower end first.
-pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, apart: &BTreeSet<[usize; 2]>) -> Blocks {
-    if ends > MOST_ENDS {
-        return greedy(scores, ends, apart);
+pub fn most_probable(scores: &PairTable, weights: &PartitionWeights, apart: &BTreeSet<[usize; 2]>) -> Blocks {
+    if scores.ends() > MOST_ENDS {
+        return greedy(scores, apart);
     }
-    let (all, log) = log_weights(scores, ends, weights);
+    let (all, log) = log_weights(scores, weights);
     let allowed = (0..all.len()).filter(|z| keeps_apart(&all[*z], apart));
     let best = allowed.max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
@@ -125,14 +125,19 @@ pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights
     Blocks { of_end, joined, ways, log: log[best] }
 }
 
+/// The most probable blocks of each cluster, given the scores of its pairs.
+pub fn most_probable_blocks(scores: &[PairTable], weights: &PartitionWeights) -> Vec<Blocks> {
+    scores.iter().map(|scores| most_probable(scores, weights, &BTreeSet::new())).collect()
+}
+
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
-pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
-    let (all, log) = log_weights(scores, ends, weights);
+pub fn pair_probabilities(scores: &PairTable, weights: &PartitionWeights) -> Vec<f64> {
+    let (all, log) = log_weights(scores, weights);
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();
-    let of = |i: usize, j: usize| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
-    pairs_among(ends).map(|[i, j]| ([i, j], of(i, j))).collect()
+    let of = |[i, j]: [usize; 2]| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
+    pairs_among(scores.ends()).map(of).collect()
 }
 
 /// Pairs of blocks with a figure of each.
@@ -141,7 +146,8 @@ fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Ve
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
-fn greedy(scores: &PairTable, ends: usize, apart: &BTreeSet<[usize; 2]>) -> Blocks {
+fn greedy(scores: &PairTable, apart: &BTreeSet<[usize; 2]>) -> Blocks {
+    let ends = scores.ends();
     let mut of_end: Vec<usize> = (0..ends).collect();
     let between = |of_end: &[usize], blocks: [usize; 2]| {
         let [a, b] = blocks.map(|block| members(of_end, block));
@@ -209,7 +215,7 @@ type Loop = (Vec<usize>, Vec<(usize, [usize; 2])>);
 /// The blocks of clusters, and which of their ends may not be one vessel.
 struct Opening<'a> {
     branches: &'a Branches,
-    tables: &'a [PairTable],
+    scores: &'a [PairTable],
     weights: &'a PartitionWeights,
     blocks: Vec<Blocks>,
     apart: Vec<BTreeSet<[usize; 2]>>,
@@ -217,17 +223,11 @@ struct Opening<'a> {
     row_of: BTreeMap<BranchEnd, usize>,
 }
 
-/// The blocks of clusters with narrow loops opened; `tables` are the scores of the pairs of ends of each cluster.
-pub fn without_narrow_loops(
-    branches: &Branches,
-    tables: &[PairTable],
-    blocks: Vec<Blocks>,
-    weights: &PartitionWeights,
-    field: &Field,
-) -> Vec<Blocks> {
+/// The most probable blocks of each cluster with narrow loops opened, given the scores of its pairs.
+pub fn without_narrow_loops(branches: &Branches, scores: &[PairTable], weights: &PartitionWeights, field: &Field) -> Vec<Blocks> {
+    let (blocks, apart) = (most_probable_blocks(scores, weights), vec![BTreeSet::new(); scores.len()]);
     let rows = branches.clusters.iter().flat_map(|cluster| cluster.ends.iter().copied().zip(0..));
-    let mut opening =
-        Opening { branches, tables, weights, apart: vec![BTreeSet::new(); blocks.len()], blocks, row_of: rows.collect() };
+    let mut opening = Opening { branches, scores, weights, blocks, apart, row_of: rows.collect() };
     for row in 0..branches.branches.len() {
         while let Some(found) = opening.shortest_loop(row).filter(|found| opening.is_narrow(found, field)) {
             if !opening.open(&found) {
@@ -305,13 +305,10 @@ impl Opening<'_> {
     /// Opens a loop at the block where that costs least probability; `false` where it cannot be.
     fn open(&mut self, (_, passes): &Loop) -> bool {
         let ways = passes.iter().filter(|(_, [a, b])| a != b).map(|(cluster, [a, b])| {
-            let ends = self.branches.clusters[*cluster].ends.len();
-            let blocks = |apart: &BTreeSet<[usize; 2]>| most_probable(&self.tables[*cluster], ends, self.weights, apart);
             let mut apart = self.apart[*cluster].clone();
-            let now = blocks(&apart);
             apart.insert([*a.min(b), *a.max(b)]);
-            let then = blocks(&apart);
-            (now.log - then.log, *cluster, apart, then)
+            let opened = most_probable(&self.scores[*cluster], self.weights, &apart);
+            (self.blocks[*cluster].log - opened.log, *cluster, apart, opened)
         });
         let least = ways.reduce(|best, next| if next.0 < best.0 { next } else { best });
         let Some((_, cluster, apart, blocks)) = least else { return false };

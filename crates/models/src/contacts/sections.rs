@@ -3,6 +3,7 @@
 
 use faer::{Mat, Side};
 
+use super::branches::{BranchEnd, Branches, Cluster};
 use willis_core::support::geometry::{Point, area_of, centroid, cross, distance, dot, lerp, norm, radius_of, sub, unit};
 use willis_core::support::statistics::median;
 use willis_io::masks::Field;
@@ -23,19 +24,12 @@ pub struct Section {
     pub area: f64,
     /// From the place asked about to the centre of the area.
     pub shift: Point,
-    /// The roots of its second moments, the larger first.
-    pub axes: [f64; 2],
+    /// The root of its larger second moment over that of the smaller; 1 without an area.
+    pub elongation: f64,
     /// The greatest depth further off than the greatest of all, over that one.
     pub second: f64,
     /// The least depth between these two over the lesser; 1 without a second.
     pub saddle: f64,
-}
-
-impl Section {
-    /// The larger axis over the smaller; 1 without an area.
-    pub fn elongation(&self) -> f64 {
-        if self.area > 0.0 && self.axes[1] > 0.0 { self.axes[0] / self.axes[1] } else { 1.0 }
-    }
 }
 
 /// Two unit vectors across a direction.
@@ -68,7 +62,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     let mut near: Vec<usize> = (0..depth.len()).filter(|n| off(*n) < NEAREST * NEAREST).collect();
     near.sort_by(|a, b| off(*a).total_cmp(&off(*b)));
     let Some(start) = near.into_iter().find(|n| is_inside(&mut depth, *n)) else {
-        return Section { saddle: 1.0, ..Section::default() };
+        return Section { elongation: 1.0, saddle: 1.0, ..Section::default() };
     };
     let mut own = vec![false; depth.len()];
     own[start] = true;
@@ -95,6 +89,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     let svv = mean(&|n| (grid(n % PIXELS) - mv).powi(2)) + own_spread;
     let suv = mean(&|n| (grid(n / PIXELS) - mu) * (grid(n % PIXELS) - mv));
     let (half_trace, root) = (0.5 * (suu + svv), (0.25 * (suu - svv).powi(2) + suv * suv).sqrt());
+    let axes = [half_trace + root, (half_trace - root).max(own_spread / 4.0)].map(|moment| moment.sqrt() * half);
     let deepest = |among: &dyn Fn(usize) -> bool| {
         inside.iter().copied().filter(|n| among(*n)).max_by(|a, b| depth[*a].total_cmp(&depth[*b]).then(b.cmp(a)))
     };
@@ -111,7 +106,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     Section {
         area: count * (pixel * half).powi(2),
         shift: [0, 1, 2].map(|k| half * (mu * u[k] + mv * v[k])),
-        axes: [(half_trace + root).sqrt() * half, (half_trace - root).max(own_spread / 4.0).sqrt() * half],
+        elongation: axes[0] / axes[1],
         second,
         saddle,
     }
@@ -164,15 +159,14 @@ pub struct LumenArm {
 
 impl LumenArm {
     /// That of an end of a cluster.
-    pub fn new(field: &Field, branches: &super::branches::Branches, cluster: usize, end: usize) -> Self {
-        let c = &branches.clusters[cluster];
-        let rho = 1.5 * c.radius;
-        let course = branches.walk(c.ends[end], 8.0 * rho);
+    pub fn new(field: &Field, branches: &Branches, cluster: &Cluster, end: BranchEnd) -> Self {
+        let rho = 1.5 * cluster.radius;
+        let course = branches.walk(end, 8.0 * rho);
         let length = course.length();
         let last = STATIONS[STATIONS.len() - 1] * rho;
         let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
         let radii = course.radii_between(0.6 * rho, 5.0 * rho);
-        let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
+        let typical = median(&radii).unwrap_or(branches.branches[end.branch].radius).max(field.voxel());
         let at = |station: &f64| {
             let s = station * rho * shrunk;
             let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
@@ -189,7 +183,7 @@ impl LumenArm {
                 [0, 1, 2].map(|k| p[k] + share * s.shift[k])
             };
             let area = of(&|s| s.area).unwrap_or(area_of(typical));
-            (there.iter().map(centre).collect(), area, of(&Section::elongation).unwrap_or(1.0))
+            (there.iter().map(centre).collect(), area, of(&|s| s.elongation).unwrap_or(1.0))
         };
         // The axis: the mean of the centres, and their first principal direction, the way from the first to the last.
         let middle = centroid(centres.iter().copied());

@@ -32,30 +32,48 @@ const MOST_COMPETITORS: f64 = 2.0;
 /// A root is either no fragment or fed from outside: so much of its probability goes to its widest free end.
 const ROOT_ENTRY: f64 = 0.5;
 
-/// The part of the feedback that does not change from one posterior to the next: the fragments as trees of nodes, which branches are on loops,
-/// and the competitors of each candidate.
-pub struct Feedback<'a> {
-    extraction: &'a Extraction,
-    candidates: Vec<EndCandidate>,
+/// The features of every candidate between fragments, shape (candidates, [`FEEDBACK_FEATURES`]), by the forests of the same candidates, in their
+/// order, and their marginals. Where no inlet is known the longest fragment is taken to be fed.
+pub fn feedback_features(
+    extraction: &Extraction,
+    candidates: &[EndCandidate],
+    forests: &Forests,
+    marginals: &Marginals,
+) -> Array2<f64> {
+    let e = extraction;
+    let given = e.fragments.iter().any(|f| f.fed);
+    let is_longest = |length: f64| e.longest > 0.0 && steady(length / e.longest) >= 1.0;
+    let fed: Vec<bool> = e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect();
+    let fed = rooted_in(forests, &fed);
+    let balance = balance(e, candidates, marginals);
+    let mut out = Array2::zeros((candidates.len(), FEEDBACK_FEATURES.len()));
+    for (row, (candidate, competitors)) in candidates.iter().zip(competitors(e, candidates)).enumerate() {
+        let sum = |rows: Vec<usize>| rows.into_iter().map(|row| marginals.edges[row]).sum::<f64>();
+        let [elsewhere, on_child, nearby] = competitors.map(sum);
+        let shape = &e.shape[candidate.point];
+        let across = unit(sub(e.position[candidate.point], e.position[e.ends[candidate.end].point]));
+        // At nodes the shape is zero, and so are the first two features.
+        let balance = balance[e.branch[candidate.point]];
+        let with_flow = [-balance * dot(shape.tangent, across), balance * shape.narrowing];
+        let fed = fed_without(forests, marginals, &fed, row);
+        let of_others = [elsewhere, on_child, fed, nearby.min(MOST_COMPETITORS)];
+        out.row_mut(row).iter_mut().zip(with_flow.into_iter().chain(of_others)).for_each(|(out, value)| *out = value);
+    }
+    out
+}
+
+/// The fragments as trees of nodes, and which branches are on loops.
+struct FragmentTrees {
     /// The nodes, each after the one it was reached from.
     order: Vec<usize>,
     /// Per node the one it was reached from and the branch between; the other branches close loops.
     from: Vec<Option<(usize, usize)>>,
     /// Per branch whether it lies on a loop, so that it has no upstream side.
     on_loop: Vec<bool>,
-    /// Per fragment its widest free ends, more than one when both ends of a short vessel are as wide.
-    widest: Vec<Vec<usize>>,
-    competitors: Vec<Competitors>,
-    /// Per fragment whether it is taken to be fed.
-    fed: Vec<bool>,
 }
 
-impl<'a> Feedback<'a> {
-    /// The feedback on candidates between fragments. Where no inlet is known the longest fragment is taken to be fed.
-    pub fn new(extraction: &'a Extraction, candidates: &[EndCandidate]) -> Self {
-        let e = extraction;
-        let given = e.fragments.iter().any(|f| f.fed);
-        let is_longest = |length: f64| e.longest > 0.0 && steady(length / e.longest) >= 1.0;
+impl FragmentTrees {
+    fn new(e: &Extraction) -> Self {
         // Every fragment is gone through once, depth first.
         let nodes = e.graph.nodes();
         let (mut order, mut place, mut from) = (Vec::with_capacity(nodes), vec![usize::MAX; nodes], vec![None; nodes]);
@@ -70,23 +88,12 @@ impl<'a> Feedback<'a> {
                 open.extend(e.graph.branches[node].iter().map(|(branch, next, _)| (*next, Some((node, *branch)))));
             }
         }
-        let most = |end: &FreeEnd| e.fragments[end.fragment].widest_end.unwrap_or(f64::INFINITY);
-        let widest = e.ends.iter().filter(|end| steady(end.radius / most(end)) >= 1.0).map(|end| (end.fragment, end.point));
-        let mut this = Self {
-            extraction,
-            candidates: candidates.to_vec(),
-            order,
-            from,
-            on_loop: vec![true; e.graph.length.len()],
-            widest: grouped(e.fragments.len(), widest),
-            competitors: competitors(e, candidates),
-            fed: e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect(),
-        };
+        let mut this = Self { order, from, on_loop: vec![true; e.graph.length.len()] };
         // Every branch outside of the trees closes a loop with those between its nodes, one of which is below the other.
         for (_, branch) in this.from.iter().flatten() {
             this.on_loop[*branch] = false;
         }
-        let mut loops = vec![0_i64; this.order.len()];
+        let mut loops = vec![0_i64; nodes];
         for (_, [a, b]) in e.graph.ends.iter().enumerate().filter(|(branch, _)| this.on_loop[*branch]) {
             let (above, below) = if place[*a] < place[*b] { (*a, *b) } else { (*b, *a) };
             loops[above] -= 1;
@@ -110,62 +117,43 @@ impl<'a> Feedback<'a> {
             }
         }
     }
+}
 
-    /// The features of every candidate, shape (candidates, [`FEEDBACK_FEATURES`]), by the forests of the same candidates, in their order, and
-    /// their marginals.
-    pub fn features(&self, forests: &Forests, marginals: &Marginals) -> Array2<f64> {
-        let e = self.extraction;
-        let balance = self.balance(marginals);
-        let fed = rooted_in(forests, &self.fed);
-        let mut out = Array2::zeros((self.candidates.len(), FEEDBACK_FEATURES.len()));
-        for (row, (candidate, mut out)) in self.candidates.iter().zip(out.rows_mut()).enumerate() {
-            let sum = |rows: &Vec<usize>| rows.iter().map(|row| marginals.edges[*row]).sum::<f64>();
-            let [elsewhere, on_child, nearby] = self.competitors[row].each_ref().map(sum);
-            let shape = &e.shape[candidate.point];
-            let across = unit(sub(e.position[candidate.point], e.position[e.ends[candidate.end].point]));
-            // At nodes the shape is zero, and so are the first two features.
-            let balance = balance[e.branch[candidate.point]];
-            let with_flow = [-balance * dot(shape.tangent, across), balance * shape.narrowing];
-            let fed = fed_without(forests, marginals, &fed, row);
-            let of_others = [elsewhere, on_child, fed, nearby.min(MOST_COMPETITORS)];
-            out.iter_mut().zip(with_flow.into_iter().chain(of_others)).for_each(|(out, value)| *out = value);
-        }
-        out
+/// F per branch: the entries to expect on the side of its first node less those on the side of its last; 0 on a loop, where
+/// blood comes from both.
+///
+/// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
+/// that it is a root, and without inlets half of that goes to the widest end; to more than one where both ends of a short vessel are as wide.
+fn balance(e: &Extraction, candidates: &[EndCandidate], marginals: &Marginals) -> Vec<f64> {
+    let mut entries = vec![0.0; e.graph.nodes()];
+    for (candidate, p) in candidates.iter().zip(&marginals.edges) {
+        entries[e.ends[candidate.end].point] += p;
     }
-
-    /// F per branch: the entries to expect on the side of its first node less those on the side of its last; 0 on a loop, where
-    /// blood comes from both.
-    ///
-    /// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
-    /// that it is a root, and without inlets half of that goes to the widest end.
-    fn balance(&self, marginals: &Marginals) -> Vec<f64> {
-        let e = self.extraction;
-        let mut entries = vec![0.0; self.order.len()];
-        for (candidate, p) in self.candidates.iter().zip(&marginals.edges) {
-            entries[e.ends[candidate.end].point] += p;
-        }
-        let inlets = counted(e.fragments.len(), e.inlets.iter().map(|inlet| e.fragment[*inlet]));
-        for inlet in &e.inlets {
-            entries[*inlet] += marginals.roots[e.fragment[*inlet]] / inlets[e.fragment[*inlet]] as f64;
-        }
-        for (fragment, ends) in self.widest.iter().enumerate().filter(|(fragment, _)| inlets[*fragment] == 0) {
-            for end in ends {
-                entries[*end] += ROOT_ENTRY * marginals.roots[fragment] / ends.len() as f64;
-            }
-        }
-        let mut total = vec![0.0; e.fragments.len()];
-        entries.iter().zip(&e.fragment).for_each(|(entry, fragment)| total[*fragment] += entry);
-        self.add_below(&mut entries);
-        // Lone nodes are branches too.
-        let mut balance = vec![0.0; e.lines.len()];
-        for (node, from) in self.from.iter().enumerate() {
-            if let Some((above, branch)) = from.filter(|(_, branch)| !self.on_loop[*branch]) {
-                let down = total[e.fragment[node]] - 2.0 * entries[node];
-                balance[branch] = if e.graph.ends[branch][0] == above { down } else { -down };
-            }
-        }
-        balance
+    let inlets = counted(e.fragments.len(), e.inlets.iter().map(|inlet| e.fragment[*inlet]));
+    for inlet in &e.inlets {
+        entries[*inlet] += marginals.roots[e.fragment[*inlet]] / inlets[e.fragment[*inlet]] as f64;
     }
+    let most = |end: &FreeEnd| e.fragments[end.fragment].widest_end.unwrap_or(f64::INFINITY);
+    let widest = e.ends.iter().filter(|end| steady(end.radius / most(end)) >= 1.0).map(|end| (end.fragment, end.point));
+    let widest = grouped(e.fragments.len(), widest);
+    for (fragment, ends) in widest.iter().enumerate().filter(|(fragment, _)| inlets[*fragment] == 0) {
+        for end in ends {
+            entries[*end] += ROOT_ENTRY * marginals.roots[fragment] / ends.len() as f64;
+        }
+    }
+    let mut total = vec![0.0; e.fragments.len()];
+    entries.iter().zip(&e.fragment).for_each(|(entry, fragment)| total[*fragment] += entry);
+    let trees = FragmentTrees::new(e);
+    trees.add_below(&mut entries);
+    // Lone nodes are branches too.
+    let mut balance = vec![0.0; e.lines.len()];
+    for (node, from) in trees.from.iter().enumerate() {
+        if let Some((above, branch)) = from.filter(|(_, branch)| !trees.on_loop[*branch]) {
+            let down = total[e.fragment[node]] - 2.0 * entries[node];
+            balance[branch] = if e.graph.ends[branch][0] == above { down } else { -down };
+        }
+    }
+    balance
 }
 
 /// The probability that a walk from the parent dies in a fed fragment before it meets the child: f_p - f_c G_pc/G_cc with f the
@@ -173,9 +161,6 @@ impl<'a> Feedback<'a> {
 fn fed_without(forests: &Forests, marginals: &Marginals, fed: &[f64], row: usize) -> f64 {
     let candidate = &forests.edges()[row];
     let (child, parent) = (candidate.child, candidate.parent);
-    if candidate.log_weight == f64::NEG_INFINITY {
-        return fed[parent];
-    }
     let odds = (forests.log_roots()[child] - candidate.log_weight).exp();
     let separated = (marginals.edges[row] / marginals.roots[child] * odds).min(1.0);
     (fed[parent] - (1.0 - separated) * fed[child]).clamp(0.0, 1.0)

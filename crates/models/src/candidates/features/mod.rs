@@ -9,7 +9,7 @@ mod extraction;
 mod feedback;
 
 pub use extraction::{Extraction, Fragment, FreeEnd, NetworkPoint, mean_log};
-pub use feedback::{FEEDBACK_FEATURES, Feedback};
+pub use feedback::{FEEDBACK_FEATURES, feedback_features};
 
 use ndarray::Array2;
 
@@ -19,7 +19,7 @@ use willis_core::support::ties::{compare, steady};
 
 /// The features of candidates: a row a candidate, a column a feature of [`FEATURES`].
 ///
-/// Rank, margin and mutual choice compare the candidates given, so these should be all of a search. [`Feedback`] measures what the
+/// Rank, margin and mutual choice compare the candidates given, so these should be all of a search. [`feedback_features`] measures what the
 /// posterior of these features says of the other candidates.
 pub fn features(extraction: &Extraction, candidates: &[EndCandidate]) -> Array2<f64> {
     let measured = measured(extraction, candidates);

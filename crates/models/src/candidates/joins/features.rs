@@ -93,20 +93,18 @@ pub fn join_feature_names() -> Vec<&'static str> {
 }
 
 /// The features of the candidates of one search: a row a candidate, a column a feature of [`join_feature_names`].
-pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Array2<f64> {
-    let course_at = |point: usize| extraction.end_at[point].map(|end| &courses[end]);
-    let measured = measured(extraction, candidates);
+pub fn join_features(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], pairs: &Pairs) -> Array2<f64> {
+    let course_at = |point: usize| e.end_at[point].map(|end| &courses[end]);
+    let measured = measured(e, candidates);
     // By this candidates compete before any model: length and bends, as a logarithm.
     let cost = |(m, candidate): (&MeasuredCandidate, &EndCandidate)| {
         let least = |of: &EndCourse, across: Point| (0..3).map(|k| angle(of.directions[k], across)).fold(f64::INFINITY, f64::min);
         let parent = course_at(m.point).map_or(0.6, |course| least(course, reversed(m.across)));
-        (m.gap + 0.5 * extraction.spacing).ln() - extraction.spacing.ln()
-            + 0.9 * least(&courses[candidate.end], m.across)
-            + 0.6 * parent
+        (m.gap + 0.5 * e.spacing).ln() - e.spacing.ln() + 0.9 * least(&courses[candidate.end], m.across) + 0.6 * parent
     };
     let costs: Vec<f64> = measured.iter().zip(candidates).map(cost).collect();
-    let rivals = rivals(extraction, courses, candidates, &costs);
-    let around = surroundings(extraction, courses, candidates);
+    let rivals = rivals(e, courses, candidates, pairs, &costs);
+    let around = surroundings(e, courses, candidates);
     let shared: Vec<Feature> = shared_features().map(|(_, feature)| *feature).collect();
     let rows = in_order(candidates, |row, candidate| {
         let m = &measured[row];
@@ -266,64 +264,61 @@ const RIVALS: [&str; 7] = ["cost_rank", "cost_margin", "cost_mutual", "site_rank
 /// [-2, 2]; whether both free ends prefer each other's branch; the fragments with a cheaper candidate to the same place; cost less that of the
 /// best of them, in [-2, 2]; cheaper pairs of points between the same two fragments; and free ends of other fragments that are nearer and no further
 /// off the course. Numbers are at most 8, and beyond the first 6.
-pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<[f64; RIVALS.len()]> {
+fn rivals(
+    e: &Extraction,
+    courses: &[EndCourse],
+    candidates: &[EndCandidate],
+    pairs: &Pairs,
+    costs: &[f64],
+) -> Vec<[f64; RIVALS.len()]> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
-    let mut out = vec![[0.0; RIVALS.len()]; candidates.len()];
     let few = |count: usize| (count as f64).min(6.0);
-    let of_end = rows_by_end(e, candidates);
-    // Per free end the branches that are cheapest from it.
-    let mut preferred: Vec<Option<usize>> = vec![None; e.ends.len()];
-    for (end, rows) in of_end.iter().enumerate() {
-        let mut best: BTreeMap<usize, f64> = BTreeMap::new();
+    // Per free end the branches that it may be joined to, with the least cost of that, the cheapest first.
+    let branches_from = |rows: &Vec<usize>| {
+        let mut least: BTreeMap<usize, f64> = BTreeMap::new();
         for row in rows {
-            let least = best.entry(e.branch[candidates[*row].point]).or_insert(f64::INFINITY);
-            *least = least.min(costs[*row]);
+            let of_branch = least.entry(e.branch[candidates[*row].point]).or_insert(f64::INFINITY);
+            *of_branch = of_branch.min(costs[*row]);
         }
-        let mut in_order: Vec<(f64, usize)> = best.iter().map(|(branch, cost)| (*cost, *branch)).collect();
+        let mut in_order: Vec<(f64, usize)> = least.into_iter().map(|(branch, cost)| (cost, branch)).collect();
         in_order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        preferred[end] = in_order.first().map(|(_, branch)| *branch);
-        for row in rows {
-            let own = best[&e.branch[candidates[*row].point]];
-            let rank = in_order.iter().take_while(|(cost, _)| *cost < own).count();
-            let other = if rank > 0 { Some(in_order[0].0) } else { in_order.get(1).map(|(cost, _)| *cost) };
-            let [cost_rank, cost_margin, ..] = &mut out[*row];
-            *cost_rank = (rank as f64).min(8.0);
-            *cost_margin = (costs[*row] - other.unwrap_or(own + MOST_MARGIN)).clamp(-MOST_MARGIN, MOST_MARGIN);
-        }
-    }
+        in_order
+    };
+    let branches: Vec<Vec<(f64, usize)>> = rows_by_end(e, candidates).iter().map(branches_from).collect();
+    let prefers = |end: usize, branch: usize| branches[end].first().is_some_and(|(_, first)| *first == branch);
     let sites = PointIndex::new(candidates.iter().map(|c| e.position[c.point]).collect());
-    let mut by_fragments: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
-    for (row, c) in candidates.iter().enumerate() {
-        by_fragments.entry(unordered(c.fragments(e))).or_default().push(row);
-        let own_branch = e.ends[c.end].branch;
-        let there = e.end_at[c.point].and_then(|end| preferred[end]);
-        let mutual = there == Some(own_branch) && preferred[c.end] == Some(e.branch[c.point]);
+    let by_fragments = pairs.by_fragments(e);
+    let mut cheapest = vec![f64::INFINITY; pairs.points.len()];
+    for (pair, cost) in pairs.of.iter().zip(&costs) {
+        cheapest[*pair] = cheapest[*pair].min(*cost);
+    }
+    let of = |(row, c): (usize, &EndCandidate)| {
+        let (cost, [child, parent]) = (costs[row], c.fragments(e));
+        let (own_branch, there) = (e.ends[c.end].branch, e.branch[c.point]);
+        let from_here = &branches[c.end];
+        let own = from_here.iter().find(|(_, branch)| *branch == there).map_or(cost, |(least, _)| *least);
+        let cost_rank = from_here.iter().filter(|(least, _)| *least < own).count();
+        let other = if cost_rank > 0 { from_here.first() } else { from_here.get(1) };
+        let mutual = prefers(c.end, there) && e.end_at[c.point].is_some_and(|end| prefers(end, own_branch));
         let near = sites.around(e.position[c.point], site(e, c.point)).into_iter().map(|(_, other)| other);
-        let [child, parent] = c.fragments(e);
         let rivals: Vec<usize> =
             near.filter(|o| e.fragment[candidates[*o].point] == parent && e.ends[candidates[*o].end].fragment != child).collect();
-        let cheaper = rivals.iter().filter(|o| costs[**o] < costs[row]).map(|o| e.ends[candidates[*o].end].fragment);
+        let cheaper = rivals.iter().filter(|o| costs[**o] < cost).map(|o| e.ends[candidates[*o].end].fragment);
         let site_rank = cheaper.collect::<BTreeSet<usize>>().len();
         let best = rivals.iter().map(|o| costs[*o]).fold(f64::INFINITY, f64::min);
-        let [_, _, cost_mutual, rank, margin, _, ends_in_cone] = &mut out[row];
-        *cost_mutual = if mutual { 1.0 } else { 0.0 };
-        (*rank, *margin) = (few(site_rank), (costs[row] - best).clamp(-MOST_MARGIN, MOST_MARGIN));
-        *ends_in_cone = few(in_cone(e, &courses[c.end], c));
-    }
-    let pairs = Pairs::new(e, candidates);
-    for rows in by_fragments.values() {
-        let mut cheapest: BTreeMap<usize, f64> = BTreeMap::new();
-        for row in rows {
-            let least = cheapest.entry(pairs.of[*row]).or_insert(f64::INFINITY);
-            *least = least.min(costs[*row]);
-        }
-        for row in rows {
-            let cheaper = cheapest.iter().filter(|(pair, cost)| **pair != pairs.of[*row] && **cost < costs[*row]);
-            let [.., pair_rank, _] = &mut out[*row];
-            *pair_rank = few(cheaper.count());
-        }
-    }
-    out
+        let others = by_fragments[&unordered([child, parent])].iter().filter(|pair| **pair != pairs.of[row]);
+        let margin = |rival: f64| (cost - rival).clamp(-MOST_MARGIN, MOST_MARGIN);
+        [
+            (cost_rank as f64).min(8.0),
+            margin(other.map_or(own + MOST_MARGIN, |(least, _)| *least)),
+            if mutual { 1.0 } else { 0.0 },
+            few(site_rank),
+            margin(best),
+            few(others.filter(|pair| cheapest[**pair] < cost).count()),
+            few(in_cone(e, &courses[c.end], c)),
+        ]
+    };
+    candidates.iter().enumerate().map(of).collect()
 }
 
 /// Free ends of other fragments that are nearer than the candidate's point and no further off the child's course.
@@ -360,13 +355,12 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
     let p: Vec<f64> = score.iter().map(|s| sigmoid(*s)).collect();
     let firsts: Vec<&EndCandidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
     let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    let mut between: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+    let by_fragments = pairs.by_fragments(e);
     let mut of_fragment = vec![0.0; e.fragments.len()];
     let mut steps: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); e.fragments.len()];
     for (pair, c) in firsts.iter().enumerate() {
         pairs.points[pair].iter().for_each(|point| at.entry(*point).or_default().push(pair));
         let [a, b] = c.fragments(e);
-        between.entry(unordered([a, b])).or_default().push(pair);
         of_fragment[a] += p[pair];
         of_fragment[b] += p[pair];
         if a != b && p[pair] > LEAST_STEP {
@@ -401,7 +395,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
         let (few, many) = if steps[own].len() < steps[parent].len() { (own, parent) } else { (parent, own) };
         let two = |(via, p): (&usize, &f64)| steps[many].get(via).map(|q| p * q);
         let two_steps = if own == parent { 0.0 } else { steps[few].iter().filter_map(two).fold(0.0, f64::max) };
-        let same = &between[&unordered([own, parent])];
+        let same = &by_fragments[&unordered([own, parent])];
         let others = same.iter().filter(|o| **o != pair);
         let mut features = vec![score[pair], scores[row]];
         features.extend([at_child, at_parent].iter().flat_map(|(best, sum)| [*best, *sum, score[pair] - best]));

@@ -63,8 +63,8 @@ impl JoinTable {
             candidates.extend(far.into_iter().filter(fits));
         }
         let candidates = of_end.concat();
-        let features = join_features(&extraction, &courses, &candidates).mapv(stored);
         let pairs = Pairs::new(&extraction, &candidates);
+        let features = join_features(&extraction, &courses, &candidates, &pairs).mapv(stored);
         Ok(Self { resampled, extraction, courses, candidates, pairs, features })
     }
 

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
 use super::features::{
-    Extraction, Feedback, FreeEnd, MeasuredCandidate, bend_child, bend_parent, features, gap, log_detour, measured,
+    Extraction, FreeEnd, MeasuredCandidate, bend_child, bend_parent, features, feedback_features, gap, log_detour, measured,
     relative_size, root_features,
 };
 use super::search::{EndCandidate, Pairs, unordered};
@@ -75,13 +75,12 @@ pub fn posterior(extraction: &Extraction, candidates: &[EndCandidate], weights: 
 /// A graph whose elimination has more joins than memory holds.
 pub fn last_pass(extraction: &Extraction, table: &CandidateTable, weights: &Weights) -> Result<(Forests, Marginals)> {
     let mut last: Option<(Forests, Marginals)> = None;
-    let mut feedback = None;
     for pass in &weights.passes {
         let forests = match &last {
             None => table.forests(pass, &table.features)?,
             Some((forests, marginals)) => {
-                let feedback = feedback.get_or_insert_with(|| Feedback::new(extraction, &table.candidates));
-                table.forests(pass, &table.features_and(&feedback.features(forests, marginals)))?
+                let feedback = feedback_features(extraction, &table.candidates, forests, marginals);
+                table.forests(pass, &table.features_and(&feedback))?
             }
         };
         let marginals = marginals(&forests);

@@ -294,6 +294,15 @@ impl Pairs {
         this
     }
 
+    /// The pairs by the two fragments that they join, the lower first.
+    pub fn by_fragments(&self, e: &Extraction) -> BTreeMap<[usize; 2], Vec<usize>> {
+        let mut found: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+        for (pair, points) in self.points.iter().enumerate() {
+            found.entry(unordered(points.map(|point| e.fragment[point]))).or_default().push(pair);
+        }
+        found
+    }
+
     /// Per pair the sum of a quantity over its candidates.
     pub fn sum(&self, of_candidate: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.points.len()];
@@ -372,13 +381,7 @@ impl<'a> Neighbourhood<'a> {
             let bound = steady(*distance / e.spacing);
             // All that are nearer than the bound are among the first, which makes them the first in order too.
             let hits = sorted(near[..first].iter().map(|near| self.hit(*near)).filter(|hit| hit.order[0] < bound));
-            let mut found: Vec<usize> = Vec::new();
-            for hit in &hits {
-                let branch = e.branch[hit.point];
-                if found.len() < branches && !found.contains(&branch) {
-                    found.push(branch);
-                }
-            }
+            let found: Vec<usize> = self.by_branch(branches, &hits).iter().map(|hits| e.branch[hits[0].point]).collect();
             let is_free = |hit: &&Hit| e.end_at[hit.point].is_some();
             if found.len() == branches && hits.iter().filter(is_free).count() >= free_ends {
                 let on_them = |point: usize| found.contains(&e.branch[point]);

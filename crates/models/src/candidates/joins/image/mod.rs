@@ -43,7 +43,7 @@ impl InImage {
         let (more, ways): (Vec<EndCandidate>, Vec<_>) = ahead.candidates(e, &table.candidates).into_iter().unzip();
         let candidates = [table.candidates.clone(), more].concat();
         let pairs = Pairs::new(e, &candidates);
-        let all = join_features(e, &table.courses, &candidates);
+        let all = join_features(e, &table.courses, &candidates, &pairs);
         let more = all.slice_axis(Axis(0), Slice::from(table.candidates.len()..)).mapv(stored);
         let first_met = pairs.points.len() - ways.len();
         let seen = willis_core::support::in_order(&pairs.points, |pair, points| {
@@ -87,10 +87,10 @@ impl InImage {
         self.seen[pair].is_some() && (score >= LEAST_SCORE || pair >= self.first_met)
     }
 
-    /// The cheapest path of a pair from one of its points (m); `None` where nothing is seen.
-    pub fn course(&self, pair: usize, from: usize) -> Option<Vec<Point>> {
-        let (_, path) = self.seen[pair].as_ref()?;
-        Some(in_direction(path.points.clone(), self.pairs.points[pair][0] == from))
+    /// The places (m) between the points of a pair on its cheapest path, from one of the two on; none where nothing is seen.
+    pub fn course(&self, pair: usize, from: usize) -> Vec<Point> {
+        let Some((_, path)) = &self.seen[pair] else { return Vec::new() };
+        in_direction(path.points[1..path.points.len() - 1].to_vec(), self.pairs.points[pair][0] == from)
     }
 
     /// The features of the third pass, given the scores by shape: a row a pair, a column one of [`image_feature_names`]; zeros where nothing is seen.
