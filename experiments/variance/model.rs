@@ -1,7 +1,7 @@
 //! A graph whose samples are solved for masks of any origin: the step of `willis infer` with its mask as an argument.
 
 use willis::error::Result;
-use willis::internals::flow::batch::solver::BatchWorkspace;
+use willis::internals::flow::batch::{conductances::MaskedRows, solver::BatchWorkspace};
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
@@ -78,7 +78,8 @@ impl Model {
         let coin = self.coins.of_block(0);
         let solver = work.solver.get_or_insert_with(|| self.program.workspace());
         for first in (0..64).step_by(LANES) {
-            self.program.solve(Scalar::new(), &self.program.masked(&work.masks, first), first, &stranded, solver);
+            let rows = MaskedRows { conductance: &self.circuit.conductance, masks: &work.masks, first };
+            self.program.solve(Scalar::new(), &rows, first, &stranded, solver);
             let level = self.circuit.level;
             work.resilience.clear();
             let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);
