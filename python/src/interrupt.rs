@@ -33,11 +33,13 @@ struct WatchState {
     /// Samples that are done, and all that there are to be.
     samples: (u64, u64),
     said: Vec<(String, String)>,
-    /// Whether somebody waits for what is finished, and what was when somebody last did or the work ended, with how long it took, s.
+    /// Whether somebody waits for what is finished.
     is_wanted: bool,
+    /// What was finished when somebody last waited or the work ended, and how long it took, s.
     part: Option<(PartialRun, f64)>,
-    /// Whether the last part is kept for those who ask later, and whether it is the last.
+    /// Whether the last part is kept for those who ask later.
     is_kept: bool,
+    /// Whether it has been.
     is_last: bool,
     /// When sampling began.
     begun: Option<Instant>,
@@ -75,11 +77,12 @@ impl Watch {
         waited.unwrap_or_else(PoisonError::into_inner).0.part.clone()
     }
 
-    fn keep(&self, part: &PartialRun) {
+    fn keep(&self, part: &PartialRun, is_last: bool) {
         let part = part.clone();
         let mut state = self.state();
         let seconds = state.begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64());
         (state.part, state.is_wanted) = (Some((part, seconds)), false);
+        state.is_last |= is_last;
         self.arrived.notify_all();
     }
 }
@@ -96,7 +99,7 @@ impl Progress for Follower<'_> {
 
     fn finished(&mut self, part: &PartialRun) {
         if self.0.state().is_wanted {
-            self.0.keep(part);
+            self.0.keep(part, false);
         }
     }
 }
@@ -113,8 +116,7 @@ impl Follow for Follower<'_> {
 
     fn sampled(&mut self, part: &PartialRun, _is_complete: bool) {
         if self.0.state().is_kept {
-            self.0.state().is_last = true;
-            self.0.keep(part);
+            self.0.keep(part, true);
         }
     }
 }
@@ -181,10 +183,10 @@ pub fn interruptible<T: Send>(
     work: impl FnOnce(&mut Follower<'_>) -> willis::Result<T> + Send,
 ) -> PyResult<PyResult<T>> {
     let pool = own_pool(py, threads)?;
+    // Nothing is sent: the channel closes when the work ends, also by a panic, so that nobody waits for ever.
     let (end, mut ended) = mpsc::channel::<()>();
     let (result, stopped_by) = std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            // Dropped on a panic too, so that nobody waits for ever.
             let _end = end;
             let mut follower = Follower(watch);
             match &pool {
@@ -194,6 +196,7 @@ pub fn interruptible<T: Send>(
         });
         let mut stopped_by = None;
         loop {
+            // A receiver cannot be shared between threads: it is lent to the wait.
             let ended = &mut ended;
             let is_finished = py.detach(move || ended.recv_timeout(POLL)) == Err(RecvTimeoutError::Disconnected);
             if stopped_by.is_none()

@@ -155,8 +155,8 @@ impl LoadedPrior {
         if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior; a ready graph, of which
-    /// none are built, stays. The image as it was measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
+    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior;
+    /// without `building` the network stays as it is. The image as it was measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
     pub(crate) fn graph(
         &self,
         network: Network,

@@ -91,6 +91,13 @@ fn fcsv_is_read_by_its_comments() {
     let three = "# Fiducial List file /tmp/F.fcsv\r\n# columns = label,x,y,z,sel,vis\r\nBA,1,2,3,1,1\r\n";
     let (landmarks, frame, _) = read(three).expect("landmarks");
     assert_eq!((at(&landmarks[0]), frame), (("BA", [1.0, 2.0, 3.0]), Frame::Ras));
+    // As Windows saves text, the names of the columns in the first line, in the second, or not at all.
+    let names = "# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n";
+    let [first, second] = [format!("{names}# version 4.13\n"), format!("# version 4.13\n{names}")];
+    for comments in [first.as_str(), second.as_str(), "# Markups fiducial file version = 4.13\n# version\n"] {
+        let (landmarks, ..) = read(&format!("\u{feff}{comments}1,1,2,3,0,0,0,1,1,1,0,BA,,\n")).expect("landmarks");
+        assert_eq!((at(&landmarks[0]), &landmarks[0].place), (("BA", [1.0, 2.0, 3.0]), &Place::Line(3)), "{comments}");
+    }
     // Slicer's own table of control points.
     let table = "label,l,p,s,defined,selected,visible,locked,description\nBA,1,2,3,1,1,1,0,\nL-M1,0,0,0,0,1,1,0,\n";
     let (landmarks, frame, notes) = read(table).expect("landmarks");

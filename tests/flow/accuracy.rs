@@ -17,6 +17,7 @@ use crate::figure::Figure;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
+use willis::internals::flow::batch::conductances::MaskedRows;
 use willis::internals::flow::drops::{Drops, DropsWorkspace};
 use willis::internals::flow::poiseuille::{BLOOD_VISCOSITY, resistance};
 use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
@@ -104,7 +105,8 @@ fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
     let program = BatchSolver::star_mesh(circuit, usize::MAX).expect("no limit");
     let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
     let mut work = program.workspace();
-    program.solve(willis::internals::support::simd::Scalar::new(), &program.masked(&masks, 0), 0, &[], &mut work);
+    let rows = MaskedRows { conductance: &circuit.conductance, masks: &masks, first: 0 };
+    program.solve(willis::internals::support::simd::Scalar::new(), &rows, 0, &[], &mut work);
     (0..circuit.node_count()).map(|node| *work.pressure()[program.slot(node)]).collect()
 }
 

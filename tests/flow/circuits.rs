@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use crate::networks::{MMHG, VISCOSITY, boundary, pressure, run};
 use crate::vessels::{network, tube};
+use willis::internals::flow::batch::conductances::MaskedRows;
 use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::pressures::pressures;
 use willis::internals::flow::{BatchSolver, Circuit};
@@ -46,13 +47,8 @@ fn check_open(network: &Network, conditions: &[(usize, Condition)], open: &[bool
     let masks: Vec<u64> = open.iter().map(|open| u64::from(*open) << 7).collect();
     let program = BatchSolver::star_mesh(&circuit, usize::MAX).unwrap();
     let mut work = program.workspace::<8>();
-    program.solve(
-        willis::internals::support::simd::Scalar::new(),
-        &program.masked(&masks, 0),
-        0,
-        &stranded(&circuit, &masks, 8),
-        &mut work,
-    );
+    let rows = MaskedRows { conductance: &circuit.conductance, masks: &masks, first: 0 };
+    program.solve(willis::internals::support::simd::Scalar::new(), &rows, 0, &stranded(&circuit, &masks, 8), &mut work);
     let lanes = |node: usize| work.pressure()[program.slot(node)][7];
     let sparse = reference::pressures(&circuit, |v| open[v]).unwrap();
     for (node, expected) in by_hand.iter().enumerate() {

@@ -12,6 +12,24 @@ use willis_io::masks::Mask;
 /// A station: the row of its vessel, and its number along it.
 type Station = (usize, usize);
 
+/// An end of a vessel: its row, and which (0 the first, 1 the last).
+type VesselEnd = (usize, usize);
+
+/// Vessels are apart where the way along them is longer than so many sums of their radii, and so many voxels more.
+const APART: [f64; 2] = [3.0, 3.0];
+/// How far beyond its radius a voxel of the mask still belongs to a vessel, in voxels.
+const AROUND: f64 = 3.0;
+
+/// Two voxels that touch, of vessels that are apart.
+struct Touch {
+    /// The vessels, the lower row first.
+    vessels: [usize; 2],
+    /// The stations that the voxels lie nearest to.
+    stations: [Station; 2],
+    /// Between the voxels, mm.
+    place: Point,
+}
+
 /// The stations of vessels, and which of them the mask shows.
 pub(super) struct Stations<'a> {
     tubes: &'a [DrawnTube],
@@ -21,7 +39,7 @@ pub(super) struct Stations<'a> {
     /// For each station whether its voxel is a vessel in the mask.
     seen: Vec<Vec<bool>>,
     /// For each node the vessels that end there, with the end.
-    at_node: Vec<Vec<(usize, usize)>>,
+    at_node: Vec<Vec<VesselEnd>>,
     /// The number of the first station of each vessel, where all are numbered through.
     first: Vec<usize>,
 }
@@ -57,7 +75,7 @@ impl<'a> Stations<'a> {
     fn within_others(&self, row: usize, end: usize) -> f64 {
         let Some(nodes) = self.tubes[row].nodes else { return 0.0 };
         let others = self.at_node[nodes[end]].iter().filter(|other| **other != (row, end));
-        let radius = |(row, end): &(usize, usize)| self.radius(self.at_end(*row, *end));
+        let radius = |(row, end): &VesselEnd| self.radius(self.at_end(*row, *end));
         others.map(radius).fold(0.0, f64::max) + if self.at_node[nodes[end]].len() > 1 { self.grid.spacing } else { 0.0 }
     }
 
@@ -97,12 +115,12 @@ impl<'a> Stations<'a> {
     }
 
     /// Where the mask does not show a junction at all, every vessel there but the widest is to be joined to the widest.
-    fn breaks_at_missing_node(&self, at: &[(usize, usize)], found: &mut Vec<MaskBreak>) {
-        let end_of = |(row, end): (usize, usize)| self.at_end(row, end).1;
+    fn breaks_at_missing_node(&self, at: &[VesselEnd], found: &mut Vec<MaskBreak>) {
+        let end_of = |(row, end): VesselEnd| self.at_end(row, end).1;
         if at.iter().any(|vessel| self.seen[vessel.0][end_of(*vessel)]) {
             return;
         }
-        let nearest = |(row, end): (usize, usize)| {
+        let nearest = |(row, end): VesselEnd| {
             let mut stations = (0..self.arcs[row].len()).filter(|station| self.seen[row][*station]);
             let station = if end == 0 { stations.next() } else { stations.next_back() };
             station.filter(|_| !self.is_lost(row)).map(|station| (row, end, station))
@@ -250,19 +268,4 @@ impl<'a> Stations<'a> {
         };
         touches.chunk_by(is_one).map(contact).collect()
     }
-}
-
-/// Vessels are apart where the way along them is longer than so many sums of their radii, and so many voxels more.
-const APART: [f64; 2] = [3.0, 3.0];
-/// How far beyond its radius a voxel of the mask still belongs to a vessel, in voxels.
-const AROUND: f64 = 3.0;
-
-/// Two voxels that touch, of vessels that are apart.
-struct Touch {
-    /// The vessels, the lower row first.
-    vessels: [usize; 2],
-    /// The stations that the voxels lie nearest to.
-    stations: [Station; 2],
-    /// Between the voxels, mm.
-    place: Point,
 }

@@ -7,8 +7,8 @@ use super::interruptions::Stations;
 use super::tube::{DrawnTube, VoxelGrid, veins};
 use super::{check_positions, check_range, truth::MaskTruth};
 use willis_core::error::{Error, Result};
-use willis_core::network::{Fragments, Network, Role, millimetres};
-use willis_core::support::{Point, bounds, counted, dot, gamma::Gamma, median, random, random::stream};
+use willis_core::network::{Network, Role, millimetres};
+use willis_core::support::{Point, bounds, dot, gamma::Gamma, median, random, random::stream};
 use willis_io::masks::{Image, Mask};
 
 /// No mask has more voxels.
@@ -309,16 +309,32 @@ impl NormalTable {
 
 /// Removes the 26-connected components of fewer voxels.
 fn remove_small(classes: &mut [u8], grid: &VoxelGrid, least: usize) {
-    let rows: Vec<usize> = (0..classes.len()).filter(|row| classes[*row] > 0).collect();
-    let touching = rows.iter().enumerate().flat_map(|(at, row)| {
-        let before = grid.neighbours(*row).filter(|to| to < row && classes[*to] > 0);
-        before.filter_map(|to| rows.binary_search(&to).ok()).map(move |other| [at, other])
-    });
-    let components = Fragments::over(rows.len(), touching);
-    let sizes = counted(components.count, components.of_node.iter().copied());
-    for (row, component) in rows.iter().zip(components.of_node) {
-        if sizes[component] < least {
-            classes[*row] = 0;
+    const SEEN: u8 = 2;
+    let mut component = Vec::new();
+    for first in 0..classes.len() {
+        if classes[first] != 1 {
+            continue;
         }
+        component.clear();
+        component.push(first);
+        classes[first] = SEEN;
+        let mut next = 0;
+        while let Some(row) = component.get(next).copied() {
+            next += 1;
+            for to in grid.neighbours(row) {
+                if classes[to] == 1 {
+                    classes[to] = SEEN;
+                    component.push(to);
+                }
+            }
+        }
+        if component.len() < least {
+            for row in &component {
+                classes[*row] = 0;
+            }
+        }
+    }
+    for class in classes {
+        *class = u8::from(*class != 0);
     }
 }

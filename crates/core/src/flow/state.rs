@@ -158,7 +158,8 @@ impl Balanced {
             return best;
         }
         let total = |lacking: &[f64]| lacking.iter().map(|lack| lack.abs()).sum::<f64>();
-        // What is lacking is injected, and the pressures that conditions hold do not change.
+        // What is lacking is injected, and the pressures that conditions hold do not change. Compiled once: from round to round only what is injected
+        // changes.
         let mut of_changes = Circuit {
             conductance: conductance.to_vec(),
             fixed: circuit.fixed.iter().map(|fixed| fixed.map(|_| 0.0)).collect(),

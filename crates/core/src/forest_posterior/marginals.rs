@@ -180,11 +180,11 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     // Fragments by their places in the order; its meshes, which a tangle has too many of, are not kept.
     let order = Elimination::of_stars(stars.len(), &stars, 0);
     // By place the odds of dying there or in what was eliminated: with a mark, and without.
-    let death = |star: &Star| {
+    let of_star = |star: &Star| {
         let root = scaled.root[star.center];
         if marked[star.center] { [root, 0.0] } else { [0.0, root] }
     };
-    let mut death: Vec<[f64; 2]> = stars.iter().map(death).collect();
+    let mut death: Vec<[f64; 2]> = stars.iter().map(of_star).collect();
     // By ray the odds of a step along it to the later fragment, and back.
     let (mut out, mut into) = (vec![0.0; order.rays()], vec![0.0; order.rays()]);
     for (_, edge, odds) in scaled.possible(forests) {
@@ -192,21 +192,21 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
         let steps = if child < parent { &mut out } else { &mut into };
         steps[order.ray_between(child, parent) as usize] += odds;
     }
-    let later = order.ray_to();
+    let ray_to = order.ray_to();
     for at in 0..order.nodes() {
         // The odds of a fragment become probabilities, and each step to it the steps that lead on.
         let star = order.star(at);
         let sum = death[at].iter().sum::<f64>() + out[star.clone()].iter().sum::<f64>();
         out[star.clone()].iter_mut().chain(&mut death[at]).for_each(|odds| *odds /= sum);
         for i in star.clone() {
-            let (to, dies_here) = (later[i] as usize, death[at]);
-            for (death, here) in death[to].iter_mut().zip(dies_here) {
-                *death += into[i] * here;
+            let (to, dies_here) = (ray_to[i] as usize, death[at]);
+            for (sum, here) in death[to].iter_mut().zip(dies_here) {
+                *sum += into[i] * here;
             }
             // All later neighbours are neighbours of this one; both lists are in order.
             let mut ray = order.star(to).start;
             for j in i + 1..star.end {
-                while later[ray] < later[j] {
+                while ray_to[ray] < ray_to[j] {
                     ray += 1;
                 }
                 out[ray] += into[i] * out[j];
@@ -216,7 +216,7 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     }
     let mut rooted = vec![0.0; order.nodes()];
     for at in (0..rooted.len()).rev() {
-        let onwards = order.star(at).map(|ray| out[ray] * rooted[later[ray] as usize]);
+        let onwards = order.star(at).map(|ray| out[ray] * rooted[ray_to[ray] as usize]);
         rooted[at] = (death[at][0] + onwards.sum::<f64>()).min(1.0);
     }
     (0..rooted.len()).map(|fragment| rooted[order.place(fragment) as usize]).collect()

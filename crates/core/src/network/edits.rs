@@ -108,12 +108,18 @@ impl GraphEditor {
         let at = place.map(|x| x * 1e-3);
         let mut found: Vec<(f64, usize, (usize, f64))> = Vec::new();
         for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
+            let ([a, b], vessel) = &self.vessels[row];
             let mut best = (f64::INFINITY, row, (0, 0.0));
-            for (stretch, ends) in self.course(row).windows(2).enumerate() {
-                let (share, away) = onto(at, ends[0].position, ends[1].position);
+            let mut look = |stretch: usize, from: Point, to: Point| {
+                let (share, away) = onto(at, from, to);
                 if away < best.0 {
                     best = (away, row, (stretch, share));
                 }
+            };
+            if vessel.path.len() > 1 {
+                vessel.path.windows(2).enumerate().for_each(|(at, w)| look(at, w[0].position, w[1].position));
+            } else {
+                look(0, self.at(*a), self.at(*b));
             }
             found.push(best);
         }

@@ -56,9 +56,9 @@ impl SampledGraph {
             if alike.len() > 1 {
                 equals.extend(alike.iter().map(|member| rows[*member] as u32));
             }
-            let first = others.first().copied();
-            for other in others.iter().skip(1) {
-                shares.push((rows[*other] as u32, rows[others[0]] as u32, factors[*other] / factors[others[0]]));
+            if let Some((first, rest)) = others.split_first() {
+                let share = |other: &usize| (rows[*other] as u32, rows[*first] as u32, factors[*other] / factors[*first]);
+                shares.extend(rest.iter().map(share));
             }
             flows.push(RowFlow {
                 slots: [0; 2],
@@ -67,7 +67,7 @@ impl SampledGraph {
                 total_share: factors.iter().map(|factor| factor / least).sum(),
                 vessel: rows[weakest] as u32,
                 equals: [first_equal as u32, equals.len() as u32],
-                others: first.map(|first| (rows[first] as u32, factors[first] / least)),
+                others: others.first().map(|first| (rows[*first] as u32, factors[*first] / least)),
                 may_close: !certain[rows[0]],
                 stand_in: at as u32,
             });

@@ -299,8 +299,11 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
     let text = bytes.trim_ascii_start();
-    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
-    let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
+    let is_tre = || {
+        let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+        let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
+        ["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'='))
+    };
     let known = [
         (bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3 MAT-file") || holds_hdf5, Format::VTrails),
         (bytes.starts_with(b"\x93NUMPY") || is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
@@ -313,9 +316,8 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         (is_svzerod(text), Format::SvZeroD),
         (is_openbf(text), Format::OpenBf),
         (text.starts_with(b"{"), Format::Markups),
-        (["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')), Format::Tre),
     ];
-    Ok(first_that_is(known))
+    Ok(first_that_is(known).or_else(|| is_tre().then_some(Format::Tre)))
 }
 
 /// The format of the first row that says so.

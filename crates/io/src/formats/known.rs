@@ -1,4 +1,5 @@
-//! The table of the formats that are known: a row says all of a format but how its files are recognised, read and written.
+//! The table of the formats that are known: a row says all of a format but how its files are recognised,
+//! read and written, and whether a file beside one states its spacing (`stated_spacing`).
 
 use FormatTrait::{Covered, GivenSpacing, Graph, Mask, Model, NamedRadii, OwnSpacing, Pairs, PairsIfStraight, TwoTables};
 use Property::{Conditions, Figures, Frame, Ids, Labels, LoneNodes, Names, Paths, Radii, Resistances, Statements};

@@ -46,7 +46,7 @@ pub struct MarkedPoint {
     pub description: String,
 }
 
-/// The formats in which landmarks are written.
+/// The formats in which landmarks are written, in the order of their names in `output::names::LANDMARKS`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LandmarkFormat {
@@ -210,10 +210,16 @@ fn fcsv_table(bytes: &[u8]) -> Result<Option<(Frame, Vec<u8>)>, Fault> {
     if !is_fcsv {
         return Ok(None);
     }
-    let text = uncommented(bytes);
-    let mut lines: Vec<&[u8]> = text.split(|b| *b == b'\n').collect();
-    lines[header] = names.as_bytes();
-    Ok(Some((frame, lines.join(&b'\n'))))
+    let mut table = Vec::with_capacity(bytes.len() + names.len());
+    for (row, line) in uncommented(bytes).split_inclusive(|b| *b == b'\n').enumerate() {
+        if row == header {
+            table.extend_from_slice(names.as_bytes());
+            table.push(b'\n');
+        } else {
+            table.extend_from_slice(line);
+        }
+    }
+    Ok(Some((frame, table)))
 }
 
 fn read_fcsv(table: &[u8], frame: Frame) -> Result<LandmarkList, Fault> {

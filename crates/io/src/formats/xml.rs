@@ -40,7 +40,7 @@ pub(super) struct Tag {
 /// Reads an XML file as a stream, element by element.
 pub(super) struct Events<R> {
     reader: Reader<R>,
-    /// The bytes of what was read last, with its angle brackets.
+    /// The bytes of what was read last, with its angle brackets: all but a byte order mark, as long as the reader trims nothing.
     buffer: Vec<u8>,
     /// The line where what comes next begins, and that of the last byte that is no blank, counted from 1.
     line: usize,

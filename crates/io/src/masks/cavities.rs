@@ -66,7 +66,7 @@ impl Mask {
         Filled { cavities: cavities.len(), voxels, wide }
     }
 
-    /// The voxels of each cavity, rising.
+    /// The voxels of each cavity, rising; the cavities in no order that matters.
     fn cavities(&self) -> Vec<Vec<usize>> {
         let [x, y, z] = self.shape;
         let mut runs: Vec<Run> = Vec::new();

@@ -175,7 +175,7 @@ pub(super) fn trilinear(corner: impl Fn(usize, usize, usize) -> f64, share: [f64
 }
 
 /// The block whose middle comes before an index along an axis of so many blocks, each so many voxels wide, and how far the index is on the way to the
-/// next one.
+/// next one; at the ends of the axis the outermost block.
 pub(super) fn block_before(index: f64, width: f64, blocks: usize) -> (usize, f64) {
     let at = ((index + 0.5) / width - 0.5).clamp(0.0, (blocks - 1) as f64);
     (at as usize, at.fract())

@@ -58,7 +58,8 @@ pub fn skeleton(vessels: &Foreground, thinned: &[u32]) -> Skeleton {
 }
 
 impl Skeleton {
-    /// Adds the branches from a voxel of a node. Each is walked from both ends: it is taken from the lower one.
+    /// Adds the branches from a voxel of a node. A link is taken from its lower voxel, and not at all within a node; a longer line, or a ring,
+    /// the first time that it is met.
     fn add_branches(&mut self, first: usize, links: &[BTreeSet<usize>], node_of: &[usize], walked: &mut [bool], thinned: &[u32]) {
         for next in &links[first] {
             let line = walk(first, *next, links, node_of);

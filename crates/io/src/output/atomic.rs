@@ -72,12 +72,12 @@ impl StagedFolder {
     ///
     /// # Errors
     ///
-    /// As [`StagedFolder::new`], `fill` and [`StagedFolder::commit`].
-    pub fn fill<T>(target: &Path, force: bool, fill: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
+    /// As [`StagedFolder::new`], `write` and [`StagedFolder::commit`].
+    pub fn fill<T>(target: &Path, force: bool, write: impl FnOnce(&Self) -> Result<T>) -> Result<T> {
         let folder = Self::new(target, force)?;
-        let filled = fill(&folder)?;
+        let written = write(&folder)?;
         folder.commit()?;
-        Ok(filled)
+        Ok(written)
     }
 
     /// Where to write until then.

@@ -136,7 +136,7 @@ pub fn build_joins(
             let course = image.as_ref().filter(|_| model.image.is_some());
             stays.then(|| NewVessel {
                 evidence: Some(Evidence::undirected(probability)),
-                course: course.map_or_else(Vec::new, |image| image.course(pair, e.ends[candidate.end].point)),
+                course: course.map(|image| image.course(pair, e.ends[candidate.end].point)).unwrap_or_default(),
                 ..NewVessel::of(candidate, e, &table.resampled, &cluster)
             })
         }));

@@ -189,7 +189,7 @@ pub fn over_connected(network: &Network, mut found: Vec<NewVessel>, options: &Ca
             CandidateRadius::Mean => 0.5 * (a + b),
         };
         let radius = options.max_radius.map_or(radius, |most| radius.min(most));
-        // An extraction has the position of every node.
+        // The search asks that every node has a position, and a cut has one.
         let [from, to] = ends.map(|node| graph.node(node).position.unwrap_or_default());
         let points = std::iter::once(from).chain(new.course).chain([to]);
         let path: Vec<PathPoint> = points.map(|position| PathPoint { position, radius, id: None }).collect();

@@ -233,7 +233,7 @@ pub fn skeleton_features(branches: &Branches) -> Vec<Vec<f64>> {
     let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
     let mut inside = ShortestPaths::new(nodes);
     let mut out = Vec::new();
-    for (cluster, c) in branches.clusters.iter().enumerate() {
+    for (cluster, c) in branches.clusters.iter().enumerate().filter(|(_, c)| c.ends.len() > 1) {
         let of_pairs = of_cluster(branches, &coarse, [&mut paths, &mut inside], cluster, typical);
         for (pair, mut row) in pairs_among(c.ends.len()).zip(of_pairs) {
             let [a, b] = pair.map(|end| &of_branch[c.ends[end].branch][usize::from(c.ends[end].last)]);

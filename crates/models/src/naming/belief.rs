@@ -137,15 +137,15 @@ struct Upward {
     /// Per node the message to its parent.
     up: Vec<Option<Vec<f64>>>,
     /// Per node what its children say, where it is a bifurcation.
-    bifurcations: Vec<Option<ArmsAndMiddle>>,
+    bifurcations: Vec<Option<BifurcationFactor>>,
     /// The sum of the logarithms of all that was divided by.
     log: f64,
 }
 
 /// What is known of a bifurcation.
 #[derive(Clone)]
-struct ArmsAndMiddle {
-    /// What comes along its arms: from the children, then from the parent.
+struct BifurcationFactor {
+    /// What comes along its arms: from the children, and on the way down from the parent too.
     arms: Vec<ArmMessage>,
     /// Per kind its probability and that of the middle.
     middle: Vec<f64>,
@@ -256,14 +256,14 @@ impl MessagePass<'_> {
     }
 
     /// What is known of a bifurcation by what comes along some of its arms.
-    fn bifurcation(&self, node: usize, arms: Vec<ArmMessage>) -> ArmsAndMiddle {
+    fn bifurcation(&self, node: usize, arms: Vec<ArmMessage>) -> BifurcationFactor {
         let kinds = &self.atlas.bifurcations;
         let sum: f64 = row(&self.own, node).iter().sum();
         let middle = |(states, p): (&[f64], &f64)| p * self.middle_fit(node, states).sum::<f64>() / sum;
         let middle = kinds.middle.chunks(STATES).zip(&kinds.probability).map(middle).collect();
         let probability = |arm: &Neighbour| if let ForestLink::Gap { probability, .. } = arm.1 { probability } else { 1.0 };
         let links = self.forest.children[node].iter().chain(&self.forest.parent[node]);
-        ArmsAndMiddle { arms, middle, joined: (1.0 - UNSEEN_KIND) * links.map(probability).product::<f64>() }
+        BifurcationFactor { arms, middle, joined: (1.0 - UNSEEN_KIND) * links.map(probability).product::<f64>() }
     }
 
     /// How well each state fits a node that is the middle of a bifurcation, given P(state of the middle) of its kind.
@@ -283,7 +283,7 @@ impl MessagePass<'_> {
     }
 
     /// The belief of a bifurcation, by all of its arms.
-    fn at_bifurcation(&self, node: usize, found: &ArmsAndMiddle) -> Vec<f64> {
+    fn at_bifurcation(&self, node: usize, found: &BifurcationFactor) -> Vec<f64> {
         let [a, b, c] = [0, 1, 2].map(|arm| &found.arms[arm].of_kinds);
         let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
@@ -306,7 +306,13 @@ impl MessagePass<'_> {
 
     /// The message of a bifurcation over the link of one of its arms, by what comes along the `others`; and the logarithm of what it was
     /// divided by.
-    fn out_of_bifurcation(&self, node: usize, found: &ArmsAndMiddle, others: [usize; 2], link: ForestLink) -> (Vec<f64>, f64) {
+    fn out_of_bifurcation(
+        &self,
+        node: usize,
+        found: &BifurcationFactor,
+        others: [usize; 2],
+        link: ForestLink,
+    ) -> (Vec<f64>, f64) {
         let [x, y] = others.map(|arm| &found.arms[arm]);
         let table = self.table_of(link);
         let mut out = vec![0.0; STATES];

@@ -180,6 +180,11 @@ pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Colum
     let edges = Column::text("edges", words);
     let kept = Column::whole("kept", parts.iter().map(|_| 1));
     let first: Vec<usize> = parts.iter().filter_map(|parts| parts.iter().min().copied()).collect();
+    if parts.len() == network.vessel_count() {
+        // All are as they were.
+        let each = vessels.into_iter().map(|column| if column.name == "kept" { kept.clone() } else { column });
+        return each.chain([edges]).collect();
+    }
     let is_merged = parts.iter().any(|parts| parts.len() > 1);
     let mut own = if is_merged { formats::vessel_columns(&merged.network) } else { Vec::new() };
     let volume = |row: &usize| network.vessel(*row).volume();

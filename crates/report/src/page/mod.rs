@@ -262,8 +262,18 @@ pub(crate) fn list<T: Serialize>(title: &str, items: &[T], columns: &[&'static s
 
 /// The boundary conditions of a run; `None` without one.
 pub(crate) fn condition_table(of: &[ConditionRecord]) -> Option<PageTable> {
-    let figures = ["pressure_mmHg", "resistance_mmHg_s_per_mL", "venous_pressure_mmHg", "flow_mL_per_min"];
-    list("Boundary conditions", of, &[&["node", "id", "role", "found", "holds"], &figures[..]].concat())
+    let columns = [
+        "node",
+        "id",
+        "role",
+        "found",
+        "holds",
+        "pressure_mmHg",
+        "resistance_mmHg_s_per_mL",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
+    list("Boundary conditions", of, &columns)
 }
 
 impl Serialize for PageScene {

@@ -265,8 +265,8 @@ fn page(
     let perturbed = simulated.result.perturbed.is_some();
     let mut page = Page::new("simulate", of_run, scene(&simulated.network, &simulated.boundary), figures);
     page.lead = lead::simulation(&page.record);
-    let more: &[_] = if perturbed { &PERTURBED_FACTS } else { &[] };
-    page.facts = facts(&page.record, &[&FACTS, more].concat());
+    let of_changes: &[_] = if perturbed { &PERTURBED_FACTS } else { &[] };
+    page.facts = facts(&page.record, &[&FACTS, of_changes].concat());
     let mut part = |title, name, columns| list(title, take(&mut page.record, name).as_array()?, columns);
     let lists = [
         part("Perturbations", "perturbations", &PERTURBATION),

@@ -138,7 +138,7 @@ pub fn transit_columns(simulated: &SimulationRun<'_>, transports: &Transports) -
     ];
     for (state, suffix) in transports.states() {
         let blood: Vec<Option<&Blood>> = state.nodes.iter().map(Option::as_ref).collect();
-        let of = |name: &str, of: &dyn Fn(&Blood) -> f64| figure(name, suffix, &blood, |blood| blood.map(of));
+        let of = |name: &str, figure_of: &dyn Fn(&Blood) -> f64| figure(name, suffix, &blood, |blood| blood.map(figure_of));
         columns.push(of("through_mL_per_min", &|blood| ml_per_min(blood.through)));
         columns.push(of("mean_ms", &|blood| milliseconds(blood.mean)));
         columns.push(of("sd_ms", &|blood| milliseconds(blood.variance.sqrt())));

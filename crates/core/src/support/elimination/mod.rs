@@ -174,7 +174,7 @@ impl Elimination {
 /// (one level of fill); all others are dropped.
 #[derive(Debug, Clone)]
 pub struct Incomplete {
-    /// The program.
+    /// The elimination, its nodes numbered in their order.
     pub program: Elimination,
     /// Per ray that of the elimination whose conductance it begins with; [`NOWHERE`] for fill.
     pub from: Vec<u32>,

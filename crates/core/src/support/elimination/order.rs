@@ -8,7 +8,7 @@ use crate::support::{marked, placed};
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
 
-/// A graph is lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
+/// Larger graphs are lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
 pub const DENSE: usize = 32;
 
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
@@ -35,6 +35,9 @@ impl Star {
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
+    if nodes <= MOST_IN_BITS {
+        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
+    }
     let (mut stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
     let pairs: usize = stars.iter().map(Star::pairs).sum();
     stars.extend(of_the_rest(&stars, &left, limit - pairs)?);

@@ -235,7 +235,7 @@ pub fn coordinates(position: Option<Point>) -> [f64; 3] {
 }
 
 /// What a node states, or is given: its role, its condition, and whether that was found.
-type StatedNode = (Option<Role>, Option<Condition>, bool);
+pub type StatedNode = (Option<Role>, Option<Condition>, bool);
 
 /// The columns of nodes.csv. `pressure` in Pa.
 pub fn node_columns(

@@ -8,11 +8,11 @@ use std::io::{self, Read, Write};
 
 use flate2::read::ZlibDecoder;
 
+use crate::formats::ensure;
 use crate::formats::{
     Fault, NumberType, Point, ReadOptions, UnpackLimit, box_diagonal, cells, centerlines, distance, figures, find, radius_of,
     stated_unit,
 };
-use crate::formats::{ensure, header_fields::HeaderLines};
 use willis_core::network::{Centerlines, Network, Vessel, WELD_TOLERANCE, is_radius};
 
 /// No header is longer.
@@ -215,17 +215,18 @@ impl AmiraHeader {
     /// The bytes of every section.
     fn sections<'a>(&self, bytes: &'a [u8]) -> Result<HashMap<u32, &'a [u8]>, Fault> {
         let mut found = HashMap::new();
-        let mut lines = HeaderLines::new(&bytes[self.end..]);
-        while let Some((_, line)) = lines.line() {
-            if line.is_empty() {
-                continue;
-            }
-            let line = String::from_utf8_lossy(&line[..line.len().min(64)]).trim().to_owned();
+        let mut at = self.end;
+        while at < bytes.len() {
+            let rest = &bytes[at..];
+            let end = rest.iter().take(64).position(|byte| *byte == b'\n').unwrap_or(rest.len());
+            let line = String::from_utf8_lossy(&rest[..end.min(64)]).trim().to_owned();
             let section = line.strip_prefix('@').and_then(|number| number.parse::<u32>().ok());
             let wrong = || Fault::item("data", format!("\"{}\"", line.escape_debug()), "expected a section such as @1");
             let section = section.ok_or_else(wrong)?;
+            let start = at + (end + 1).min(rest.len());
+            let rest = &bytes[start..];
             let length = if self.big.is_none() {
-                find(lines.rest, b"\n@").map_or(lines.rest.len(), |at| at + 1)
+                find(rest, b"\n@").map_or(rest.len(), |at| at + 1)
             } else {
                 let array = self.arrays.iter().find(|array| array.section == section);
                 let array =
@@ -235,12 +236,14 @@ impl AmiraHeader {
                     None => self.numbers(array)?.saturating_mul(array.size),
                 }
             };
-            let data = lines.bytes(length).map_err(|left| {
-                let found = format!("{left} of {length} bytes");
+            let data = rest.get(..length).ok_or_else(|| {
+                let found = format!("{} of {length} bytes", rest.len());
                 Fault::item(format!("section @{section}"), found, "expected all of them; is the file cut off?")
             })?;
             let wrong = || Fault::item("data", format!("section @{section} twice"), "expected it once");
             ensure(found.insert(section, data).is_none(), wrong)?;
+            at = start + length;
+            at += bytes[at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         }
         Ok(found)
     }

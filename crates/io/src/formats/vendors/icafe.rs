@@ -131,7 +131,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
     named
 }
 
-/// The links between two points of one tree.
+/// The links between two points of one tree; points of two trees share no link, and nobody asks for these.
 fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
     let to_root = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).map(|(_, link)| link);
     let (mut path, other): (Vec<usize>, Vec<usize>) = (to_root(a).collect(), to_root(b).collect());

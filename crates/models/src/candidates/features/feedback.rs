@@ -43,9 +43,9 @@ pub fn feedback_features(
     let e = extraction;
     let given = e.fragments.iter().any(|f| f.fed);
     let is_longest = |length: f64| e.longest > 0.0 && steady(length / e.longest) >= 1.0;
-    let fed: Vec<bool> = e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect();
-    let fed = rooted_in(forests, &fed);
-    let balance = balance(e, candidates, marginals);
+    let marked: Vec<bool> = e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect();
+    let rooted = rooted_in(forests, &marked);
+    let balances = balance(e, candidates, marginals);
     let mut out = Array2::zeros((candidates.len(), FEEDBACK_FEATURES.len()));
     for (row, (candidate, competitors)) in candidates.iter().zip(competitors(e, candidates)).enumerate() {
         let sum = |rows: Vec<usize>| rows.into_iter().map(|row| marginals.edges[row]).sum::<f64>();
@@ -53,9 +53,9 @@ pub fn feedback_features(
         let shape = &e.shape[candidate.point];
         let across = unit(sub(e.position[candidate.point], e.position[e.ends[candidate.end].point]));
         // At nodes the shape is zero, and so are the first two features.
-        let balance = balance[e.branch[candidate.point]];
+        let balance = balances[e.branch[candidate.point]];
         let with_flow = [-balance * dot(shape.tangent, across), balance * shape.narrowing];
-        let fed = fed_without(forests, marginals, &fed, row);
+        let fed = fed_without(forests, marginals, &rooted, row);
         let of_others = [elsewhere, on_child, fed, nearby.min(MOST_COMPETITORS)];
         out.row_mut(row).iter_mut().zip(with_flow.into_iter().chain(of_others)).for_each(|(out, value)| *out = value);
     }
@@ -123,7 +123,8 @@ impl FragmentTrees {
 /// blood comes from both.
 ///
 /// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
-/// that it is a root, and without inlets half of that goes to the widest end; to more than one where both ends of a short vessel are as wide.
+/// that it is a root, and without inlets half of that goes to the widest end, or is shared by both
+/// where those of a short vessel are as wide.
 fn balance(e: &Extraction, candidates: &[EndCandidate], marginals: &Marginals) -> Vec<f64> {
     let mut entries = vec![0.0; e.graph.nodes()];
     for (candidate, p) in candidates.iter().zip(&marginals.edges) {
@@ -162,6 +163,7 @@ fn fed_without(forests: &Forests, marginals: &Marginals, fed: &[f64], row: usize
     let candidate = &forests.edges()[row];
     let (child, parent) = (candidate.child, candidate.parent);
     let odds = (forests.log_roots()[child] - candidate.log_weight).exp();
+    // Of an impossible edge 0 · ∞ is no number, of which `min` makes 1: separated for sure.
     let separated = (marginals.edges[row] / marginals.roots[child] * odds).min(1.0);
     (fed[parent] - (1.0 - separated) * fed[child]).clamp(0.0, 1.0)
 }

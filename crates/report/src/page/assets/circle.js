@@ -6,7 +6,7 @@ const RING_SEGMENTS = {
   "R-P1": { course: "M-66,74 Q-30,44 0,52", text: [-40, 8, "middle"] },
   AComm: { course: "M-20,-128 L20,-128", text: [0, -104, "middle"] },
 };
-// The vessels around the ring, which are drawn for orientation, the same with their width.
+// The vessels around the ring, which are drawn for orientation: course, width, and place of the name.
 const AROUND = {
   "R-ICA": { course: "M-92,-62 Q-112,-40 -116,-22", wide: 15, text: [-124, -16, "end"] },
   "R-M1": { course: "M-92,-62 Q-140,-92 -196,-78", wide: 11, text: [-196, -92, "start"] },
@@ -20,7 +20,7 @@ const OPPOSITE = { end: "start", start: "end", middle: "middle" };
 // The parts with their names, those of the right mirrored for the left.
 const ofBothSides = parts => Object.entries(parts).flatMap(([name, part]) => {
   if (!name.startsWith("R-")) return [{ name, ...part }];
-  const [x, y, anchor] = part.text, course = part.course.replace(/(-?\d+),/g, (_, x) => `${-x},`);
+  const [x, y, anchor] = part.text, course = part.course.replace(/(-?\d+),/g, (_, across) => `${-across},`);
   return [{ name, ...part }, { ...part, name: name.replace("R-", "L-"), course, text: [-x, y, OPPOSITE[anchor]] }];
 });
 

@@ -121,8 +121,9 @@ class Decisions {
   // Decides how vessels pair where they touch, in one step: contacts, and an edit of these places in place of others, if there is one.
   pair(rows, places, others) {
     const rest = this.edits.filter(of => !others.includes(of.places));
+    const isEdited = Boolean(places) || rest.length < this.edits.length;
     if (places) rest.push(this.now({ decision: "part", places }));
-    this.put(rows.map(([row, decision]) => [row, this.after(row, decision)]), places || rest.length < this.edits.length ? rest : undefined);
+    this.put(rows.map(([row, decision]) => [row, this.after(row, decision)]), isEdited ? rest : undefined);
   }
 
   removeEdit(at) {

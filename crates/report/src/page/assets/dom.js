@@ -32,9 +32,12 @@ const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/
 const upTo = n => [...Array(n).keys()];
 
 // What is listed under each key, in the order of `[key, item]`.
-function listedBy(pairs) {
+function listedBy(entries) {
   const lists = new Map();
-  for (const [key, item] of pairs) if (lists.has(key)) lists.get(key).push(item); else lists.set(key, [item]);
+  for (const [key, item] of entries) {
+    if (!lists.has(key)) lists.set(key, []);
+    lists.get(key).push(item);
+  }
   return lists;
 }
 

@@ -17,7 +17,8 @@ class Shape {
 
   // A point, mm.
   place(i) {
-    return [...this.points.subarray(4 * i, 4 * i + 3)];
+    const { points } = this;
+    return [points[4 * i], points[4 * i + 1], points[4 * i + 2]];
   }
 
   // How far a vessel with so many of its radii reaches from a place, mm.
