@@ -126,7 +126,7 @@ impl<R: BufRead> Events<R> {
 
     /// Counts the lines of what was read last.
     fn count_lines(&mut self) {
-        let ends = |part: &[u8]| part.iter().filter(|byte| **byte == b'\n').count();
+        let ends = |part: &[u8]| part.iter().fold(0, |sum, byte| sum + usize::from(*byte == b'\n'));
         self.line += ends(&self.buffer);
         if let Some(last) = self.buffer.iter().rposition(|byte| !byte.is_ascii_whitespace()) {
             self.last_line = self.line - ends(&self.buffer[last..]);

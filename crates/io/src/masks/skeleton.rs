@@ -71,7 +71,9 @@ impl Skeleton {
                 [next, ..] => walked[*next],
             };
             if !is_taken {
-                between.iter().for_each(|at| walked[*at] = true);
+                for at in between {
+                    walked[*at] = true;
+                }
                 self.branches.push(Branch { ends, voxels: between.iter().map(|at| thinned[*at]).collect() });
             }
         }
