@@ -22,6 +22,8 @@ const POLL: Duration = Duration::from_millis(50);
 #[pyclass(frozen, module = "willis._willis")]
 #[derive(Debug, Default)]
 pub struct Watch {
+    /// Whether the last part is kept for those who ask later.
+    keeps_last: bool,
     state: Mutex<WatchState>,
     /// Told of each part that is kept.
     arrived: Condvar,
@@ -37,9 +39,7 @@ struct WatchState {
     is_wanted: bool,
     /// What was finished when somebody last waited or the work ended, and how long it took, s.
     part: Option<(PartialRun, f64)>,
-    /// Whether the last part is kept for those who ask later.
-    is_kept: bool,
-    /// Whether it has been.
+    /// Whether the work has ended, so that nothing comes after this part.
     is_last: bool,
     /// When sampling began.
     begun: Option<Instant>,
@@ -50,7 +50,7 @@ impl Watch {
     #[new]
     #[pyo3(signature = (keep=false))]
     fn new(keep: bool) -> Self {
-        Self { state: WatchState { is_kept: keep, ..WatchState::default() }.into(), ..Self::default() }
+        Self { keeps_last: keep, ..Self::default() }
     }
 
     /// Asks the work to stop.
@@ -115,7 +115,7 @@ impl Follow for Follower<'_> {
     }
 
     fn sampled(&mut self, part: &PartialRun, _is_complete: bool) {
-        if self.0.state().is_kept {
+        if self.0.keeps_last {
             self.0.keep(part, true);
         }
     }

@@ -45,7 +45,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
     if let Some(building) = &loaded.building {
         notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: loaded.prior.is_evidence() });
-        nothing_built(&graph, building).into_iter().for_each(|note| notes.say(note.to_owned()));
+        if let Some(note) = nothing_built(&graph, building) {
+            notes.say(note.to_owned());
+        }
     }
     let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), &loaded.prior));
     remarks.into_iter().flatten().for_each(|note| notes.say(note));
