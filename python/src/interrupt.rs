@@ -39,7 +39,7 @@ struct WatchState {
     is_wanted: bool,
     /// What was finished when somebody last waited or the work ended, and how long it took, s.
     part: Option<(PartialRun, f64)>,
-    /// Whether the work has ended, so that nothing comes after this part.
+    /// Whether that is the last part, after which nothing comes.
     is_last: bool,
     /// When sampling began.
     begun: Option<Instant>,
