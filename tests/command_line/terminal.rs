@@ -297,8 +297,12 @@ fn a_terminal_sees_a_bar_and_colours_only_when_it_wants_them() {
     let circle = data("circle-of-willis/complete.graphml");
     let seen = |before: &str, what: &str, more: &str| {
         let run = format!("{before} {} {what} {circle} -o out --force -n 2000 {more}", env!("CARGO_BIN_EXE_willis"));
-        let output =
-            Command::new("script").current_dir(here.path()).args(["-qec", &run, "/dev/null"]).env_remove("NO_COLOR").output();
+        let output = Command::new("script")
+            .current_dir(here.path())
+            .args(["-qec", &run, "/dev/null"])
+            .env("TERM", "xterm")
+            .env_remove("NO_COLOR")
+            .output();
         output.ok().map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
     };
     let Some(plain) = seen("", "infer", "") else {
