@@ -75,7 +75,7 @@ pub fn classify(
     }
     let divide = input.run.is_none() && input.is_fragments && chosen.file().is_none();
     let divided = divide.then(|| input.divided_by_labels());
-    let network = divided.as_ref().unwrap_or(&input.network);
+    let network = divided.as_ref().unwrap_or_else(|| input.undivided());
     // The landmarks of a run are in the unit of its input.
     let scale = input.run.as_ref().filter(|_| source.is_none()).map_or(&input.options.scale, |run| &run.options.read.scale);
     // What the run found holds, as long as nobody asks for another way to find it.

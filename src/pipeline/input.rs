@@ -1,6 +1,6 @@
 //! Reading: from a file of any format, or the folder of a run, to a network of vessels.
 
-use std::{path::Path, path::PathBuf, time::Instant};
+use std::{collections::BTreeSet, path::Path, path::PathBuf, time::Instant};
 
 use serde_json::Value;
 
@@ -12,13 +12,13 @@ use willis_io::formats::{
 };
 use willis_io::output::names::{COHORT, EDGES, GRAPH, LANDMARKS, RECORD, TOPOLOGY};
 use willis_io::{formats::tables::reader::TableReader, formats::tables::reader::plural, masks::Foreground, output::read_json};
-use willis_models::circle_of_willis::{Circle, are_topcow_classes, split_where_labels_change};
+use willis_models::circle_of_willis::{Circle, are_topcow_classes, artery_of_label, split_where_labels_change};
 use willis_report::Provenance;
 
 /// A network and where it comes from: what every other function of this crate starts from.
 #[derive(Debug, Clone)]
 pub struct Input {
-    /// The vessels; lengths in m.
+    /// The vessels; lengths in m. Along centerlines whose labels name arteries they are divided where the label changes.
     pub network: Network,
     /// What the file held.
     pub contents: Contents,
@@ -35,6 +35,8 @@ pub struct Input {
     /// When reading began.
     pub(crate) started: Instant,
     lines: Option<Centerlines>,
+    /// The vessels as they branch alone, where `network` divides them by their labels.
+    undivided: Option<Network>,
     /// The voxels inside the vessels of a mask.
     pub(crate) lumen: Option<Foreground>,
     /// Whether it is a mask of TopCoW's classes.
@@ -153,7 +155,20 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     let provenance = Provenance { input, format: format.name().to_owned(), sha256, units, frame, notes, ..Provenance::default() };
     let is_fragments = !is_graph || options.observed;
     let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
-    Ok(Input { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow })
+    let undivided = None;
+    let mut input = Input { network, contents, format, is_fragments, provenance, options, run, started, lines, undivided, lumen, is_topcow };
+    if input.lines.as_ref().is_some_and(name_arteries) {
+        let divided = input.divided_by_labels();
+        input.undivided = Some(std::mem::replace(&mut input.network, divided));
+    }
+    Ok(input)
+}
+
+/// Whether there are labels that are names, and some of them those of arteries.
+fn name_arteries(lines: &Centerlines) -> bool {
+    let labels: BTreeSet<&str> = (0..lines.links.len()).map(|row| lines.labels.of(row)).collect();
+    let scheme = LabelScheme::of(labels.iter().copied());
+    scheme.is_ok_and(|scheme| scheme == LabelScheme::Names && labels.iter().any(|label| artery_of_label(label, scheme).is_some()))
 }
 
 /// Marks the free ends that are no further from a face of the box than their radius, or beyond it; how many there are.
@@ -223,6 +238,7 @@ impl Input {
             run: None,
             started: Instant::now(),
             lines: None,
+            undivided: None,
             lumen: None,
             is_topcow: false,
         }
@@ -256,11 +272,29 @@ impl Input {
         if self.network.vessels().all(|(_, vessel)| vessel.label.is_empty()) {
             return Vec::new();
         }
-        let network = if self.is_fragments { &self.divided_by_labels() } else { &self.network };
+        let network = &self.network;
         let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
         let named = LabelScheme::of(labels).ok().filter(|scheme| *scheme == LabelScheme::Names);
         let circle = named.and_then(|scheme| Circle::labelled(network, scheme).ok());
         circle.map_or_else(Vec::new, |(circle, _)| circle.labelled_inlets(network))
+    }
+
+    /// The same with the vessels among which arteries are found: whatever labels change along them, divided; otherwise as they branch.
+    #[must_use]
+    pub(crate) fn for_arteries(mut self, source: &ArterySource) -> Self {
+        if matches!(source, ArterySource::AnyLabels | ArterySource::Labels(_)) && self.is_fragments {
+            let divided = self.divided_by_labels();
+            let before = std::mem::replace(&mut self.network, divided);
+            self.undivided.get_or_insert(before);
+        } else if let Some(undivided) = self.undivided.take() {
+            self.network = undivided;
+        }
+        self
+    }
+
+    /// The vessels as they branch, whatever their labels.
+    pub(crate) fn undivided(&self) -> &Network {
+        self.undivided.as_ref().unwrap_or(&self.network)
     }
 
     /// The vessels, divided where their labels change along the centerlines.

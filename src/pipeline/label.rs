@@ -45,7 +45,7 @@ pub struct Labelled {
 pub fn label(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Labelled> {
     let by_geometry = InferOptions { arteries: Some(ArterySource::Geometry), ..options.clone() };
     let models = by_geometry.phenotypes.models()?;
-    let (path, own) = (input.provenance.input.clone(), input.network.nodes().cloned().collect::<Vec<_>>());
+    let (path, own) = (input.provenance.input.clone(), input.undivided().nodes().cloned().collect::<Vec<_>>());
     let prepared = prepare(input, &by_geometry, progress)?;
     let found = prepared.arteries.as_ref();
     let (names, segments, not_seen) = if let Some((found, names)) = found.and_then(|found| Some((found, found.names.clone()?))) {

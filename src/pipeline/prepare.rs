@@ -26,15 +26,14 @@ const NOTHING_UNCERTAIN: &str =
 /// As [`infer`](crate::infer), before any sample.
 pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Arc<Prepared>> {
     options.validate()?;
+    let inlets_by_labels = input.inlets_by_labels();
+    let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
+    let input = source.iter().fold(input, Input::for_arteries);
     let loaded = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
     let path = PathBuf::from(&input.provenance.input);
     let outlets = options.boundary.found_outlets.unwrap_or(input.usual_outlets());
-    let inlets_by_labels = input.inlets_by_labels();
-
-    let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
-    let by_labels = matches!(source, Some(ArterySource::AnyLabels | ArterySource::Labels(_)));
-    let mut vessels = if by_labels && input.is_fragments { input.divided_by_labels() } else { input.network };
+    let mut vessels = input.network;
     let own_nodes = if matches!(input.contents, Contents::Centerlines(_)) { 0 } else { vessels.node_count() };
     let run = RunOptions { read: input.options, infer: InferOptions { arteries: source, ..options.clone() } };
     let early = EarlyArteries::find(&vessels, &path, &run, &loaded, &mut notes)?;
@@ -122,8 +121,8 @@ impl Loaded {
     fn read(input: &Input, options: &InferOptions) -> Result<Self> {
         let is_fragments = input.is_fragments;
         let kind =
-            willis_models::candidates::resample::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
-        let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind);
+            willis_models::candidates::resample::CenterlineKind::of(input.undivided(), input.format.is_some_and(Format::is_mask));
+        let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), input.undivided(), input.lumen.as_ref(), kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = refuse_unused(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };

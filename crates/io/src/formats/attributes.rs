@@ -206,7 +206,7 @@ pub(crate) fn vessels(
             origin: origin.unwrap_or(Origin::Candidate),
             prior: item.share("prior")?.unwrap_or(1.0),
             certain: item.boolean("certain")?.unwrap_or(false),
-            evidence: evidence(&item)?.map(Box::new),
+            evidence: evidence(&item, origin)?.map(Box::new),
             kept: item.boolean("kept")?,
             wall: wall(&item)?,
             path,
@@ -262,12 +262,13 @@ fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
 }
 
 /// The evidence that the edge states: its probability, which end feeds the other, and the odds that each end continues.
-fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
+fn evidence(item: &Item, origin: Option<Origin>) -> Result<Option<Evidence>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
     if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        // What was written so is read to the same bits; a probability that was changed by hand is divided in the same shares.
-        let is_whole = (a + b - probability).abs() <= 1e-12 * probability;
+        // What was written so is read to the same bits; a probability that was changed by hand is divided in the same shares. Of a contact
+        // the two are no shares of it.
+        let is_whole = origin == Some(Origin::Contact) || (a + b - probability).abs() <= 1e-12 * probability;
         evidence = if is_whole { Evidence { attached: [a, b], ..evidence } } else { evidence.divided([a, b]) };
     }
     let odds = |key: &str| item.checked(key, |x| x >= 0.0, "expected odds, zero or more");
