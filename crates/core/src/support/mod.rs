@@ -23,8 +23,8 @@ pub mod ties;
 pub mod toml_text;
 
 pub use geometry::{
-    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, radius_of, smooth,
-    straightest, sub, unit,
+    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, onto, radius_of, smooth,
+    straightest, sub, unit, weighted_centroid,
 };
 pub use numbered::{counted, grouped, marked, placed};
 pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantile};

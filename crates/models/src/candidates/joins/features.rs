@@ -12,7 +12,7 @@ use crate::candidates::features::{
 };
 use crate::candidates::search::{EndCandidate, Pairs, PointIndex, rows_by_end, unordered};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
-use willis_core::support::geometry::{Point, distance, dot, norm_squared, straightest, sub, unit};
+use willis_core::support::geometry::{Point, centroid, distance, dot, norm_squared, straightest, sub, unit};
 use willis_core::support::in_order;
 use willis_core::support::statistics::{median, sigmoid};
 use willis_core::support::ties::steady;
@@ -545,7 +545,7 @@ fn slightly_smooth(position: &[Point]) -> Vec<Point> {
 fn line(points: &[Point], arc: &[f64]) -> (Point, f64) {
     let n = points.len() as f64;
     let middle = arc.iter().sum::<f64>() / n;
-    let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let mean = centroid(points.iter().copied());
     let mut v = [0.0; 3];
     for (p, s) in points.iter().zip(arc) {
         (0..3).for_each(|k| v[k] -= (s - middle) * (p[k] - mean[k]));
