@@ -187,7 +187,7 @@ impl GraphEditor {
         }
         let id = self.free_id(&self.nodes[ends[0]].id.clone());
         let node = self.nodes.len();
-        self.nodes.push(Node { id, position: Some(middle.position), radius: Some(middle.radius), ..Node::default() });
+        self.nodes.push(Node::at(id, middle));
         let (ends, vessel) = &mut self.vessels[row];
         let share = [first, second].map(|length| length / (first + second));
         let has_path = !vessel.path.is_empty();

@@ -6,7 +6,7 @@ use BodySide::{Left, Right};
 
 use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
-use willis_core::network::path_places::{PathPlace, divided};
+use willis_core::network::path_places::PathPlace;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel, centerlines::Centerlines};
 use willis_io::formats::ICAFE_ARTERIES;
 
@@ -34,18 +34,12 @@ pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: R
             split.add_vessel(ends, vessel.clone());
             continue;
         }
-        let pieces = divided(&vessel.path, cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 }));
-        let mut from = ends[0];
-        for (at, (piece, first)) in pieces.into_iter().zip([0].iter().chain(&cuts)).enumerate() {
-            let last = piece[piece.len() - 1];
-            let to = if at == cuts.len() {
-                ends[1]
-            } else {
-                let id = last.id.map_or_else(String::new, |id| id.to_string());
-                split.add_node(Node { id, position: Some(last.position), radius: Some(last.radius), ..Node::default() })
-            };
-            split.add_vessel([from, to], Vessel { label: names[*first].to_owned(), ..Vessel::along(piece, rule) });
-            from = to;
+        let places = cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 });
+        let parts = vessel.parts(ends, &vessel.path, places, rule, |_, at| {
+            split.add_node(Node::at(at.id.map_or_else(String::new, |id| id.to_string()), at))
+        });
+        for ((ends, part), first) in parts.into_iter().zip([0].iter().chain(&cuts)) {
+            split.add_vessel(ends, Vessel { label: names[*first].to_owned(), ..part });
         }
     }
     split
