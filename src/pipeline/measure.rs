@@ -11,7 +11,8 @@ use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, S
 use willis_core::network::units::{metres, millimetres};
 use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
 use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
-use willis_core::{error::Fault, flow::Boundary, network::Role, support::in_order, support::suggestions::did_you_mean};
+use willis_core::support::{distinct, in_order, list_of, suggestions::did_you_mean};
+use willis_core::{error::Fault, flow::Boundary, network::Role};
 use willis_io::{formats::Column, formats::read_image, masks::Picture};
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
@@ -107,14 +108,8 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let brain = options.brain.as_ref().map(|path| brain(path, &input.options, network)).transpose()?;
     let phenotypes = options.phenotypes();
     let found = arteries(input, network, &phenotypes, &mut notes);
-    let mut territory = vec![None; if found.is_some() { network.vessel_count() } else { 0 }];
-    if let Some(found) = &found {
-        for (at, rows) in found.circle.arteries_in(network, |_| true).1.territories.iter().enumerate() {
-            for row in rows {
-                territory[*row] = Some(at);
-            }
-        }
-    }
+    let by_territory = found.as_ref().map(|found| found.circle.arteries_in(network, |_| true).1.territories);
+    let territory = by_territory.map_or_else(Vec::new, |rows| list_of(network.vessel_count(), &rows));
     let measuring = Measuring { network, boundary, region: brain.as_ref(), territory, found, phenotypes };
     let plausible = measuring.plausible(input, progress)?.into_iter();
     let plausible = plausible.map(|(kept, weight)| (measuring.figures(&kept), weight)).collect();
@@ -256,9 +251,7 @@ pub struct ComparisonOptions {
 ///
 /// More or fewer than two groups, or one of a single subject.
 pub fn two_groups(column: &str, values: &[&str]) -> Result<([String; 2], Vec<Option<bool>>)> {
-    let mut names: Vec<&str> = values.iter().copied().filter(|value| !value.is_empty()).collect();
-    names.sort_unstable();
-    names.dedup();
+    let names = distinct(values.iter().copied().filter(|value| !value.is_empty()));
     let refused =
         |why: String| Err(Error::parameter("compare", column, format!("expected two groups of two subjects at least, {why}")));
     let [first, second] = *names else {

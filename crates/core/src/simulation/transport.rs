@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use super::Simulation;
 use crate::flow::{Boundary, state::State};
 use crate::network::{Network, walks::other};
-use crate::support::{grouped, marked};
+use crate::support::{distinct, grouped, marked};
 
 /// A flow is no source or exit where it is less than this share of what passes its node.
 const ROUNDING: f64 = 1e-9;
@@ -119,14 +119,12 @@ impl Transports {
 
     /// The nodes through which blood enters in either state.
     pub fn sources(&self) -> Vec<usize> {
-        let sources: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.sources.iter().copied()).collect();
-        sources.into_iter().collect()
+        distinct(self.states().flat_map(|(state, _)| state.sources.iter().copied()))
     }
 
     /// The nodes through which blood leaves in either state.
     pub fn exits(&self) -> Vec<usize> {
-        let exits: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)).collect();
-        exits.into_iter().collect()
+        distinct(self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)))
     }
 }
 

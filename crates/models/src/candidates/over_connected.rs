@@ -11,6 +11,7 @@ use willis_core::network::path_places::{PathPlace, length_of};
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
+use willis_core::support::list_of;
 
 /// A fragment keeps those within so many of its largest radii: no search reaches that far (20 spacings, of two radii at most, and 10 radii).
 const REACH_RADII: f64 = 50.0;
@@ -55,13 +56,8 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<FragmentClust
     if groups.len() < 2 {
         return vec![whole()];
     }
-    let mut group_of = vec![0; parts.count];
-    for (group, members) in groups.iter().enumerate() {
-        for part in members {
-            group_of[*part] = group;
-        }
-    }
-    let networks = network.parts(groups.len(), |node| Some(group_of[parts.of_node[node]]));
+    let group_of = list_of(parts.count, &groups);
+    let networks = network.parts(groups.len(), |node| group_of[parts.of_node[node]]);
     let cluster = |(part, nodes, vessels): (Network, Vec<usize>, Vec<usize>)| {
         let inlets = inlets.iter().filter_map(|inlet| nodes.binary_search(inlet).ok()).collect();
         FragmentCluster { network: Cow::Owned(part), inlets, rows: Some([nodes, vessels]) }

@@ -11,7 +11,7 @@ use super::segments_by_labels::{self, LabelMeaning};
 use super::segments_by_landmarks::Points;
 use willis_core::network::{NearestNode, Network, Origin, units::millimetres};
 use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, sub, unit};
-use willis_core::{error::Fault, support::in_order};
+use willis_core::{error::Fault, support::distinct, support::in_order};
 
 /// Where the arteries lie in a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -210,13 +210,10 @@ impl Circle {
     /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks of inlets and outlets, or for every
     /// labelled artery that enters or leaves the circle its free end farthest from the middle.
     pub fn ends(&self, network: &Network) -> Vec<usize> {
-        let mut nodes: Vec<usize> = match &self.location {
-            Location::Vessels(meanings) => outermost_ends(network, meanings).into_values().collect(),
-            Location::Nodes(points) => points.ends.clone(),
-        };
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
+        match &self.location {
+            Location::Vessels(meanings) => distinct(outermost_ends(network, meanings).into_values()),
+            Location::Nodes(points) => distinct(points.ends.iter().copied()),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
 use willis_core::network::path_places::PathPlace;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel, centerlines::Centerlines};
+use willis_core::support::distinct;
 use willis_io::formats::ICAFE_ARTERIES;
 
 /// The network with every vessel split where the labels of its centerline change. A junction that lost a branch (carotid and M1
@@ -275,9 +276,7 @@ fn artery_of_part(part: &str, whole: &[&str]) -> Option<Artery> {
     let named = |text: &str| artery_of_label(text, LabelScheme::Names);
     let plain: Vec<&str> = words_of(part).filter(|word| side_of(word).is_none() && !FORKS.contains(word)).collect();
     let plain = plain.join(" ");
-    let mut sides: Vec<BodySide> = whole.iter().filter_map(|word| side_of(word)).collect();
-    sides.sort_unstable();
-    sides.dedup();
+    let sides = distinct(whole.iter().filter_map(|word| side_of(word)));
     let with_side = || match sides[..] {
         [side] => named(&format!("{} {plain}", side.name())),
         _ => None,
@@ -289,10 +288,8 @@ fn words_of(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty())
 }
 
-fn met(mut arteries: Vec<Artery>) -> MeantArteries {
-    arteries.sort_unstable();
-    arteries.dedup();
-    (arteries, true)
+fn met(arteries: Vec<Artery>) -> MeantArteries {
+    (distinct(arteries), true)
 }
 
 /// The arteries that meet where one divides.

@@ -9,6 +9,7 @@ use petgraph::{graph::NodeIndex, visit::EdgeRef};
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, Variant};
 use super::segments_by_labels::{Marks, is_wider, marks, shortest};
 use willis_core::network::{Network, walks::Walk};
+use willis_core::support::{distinct, numbered::marked};
 
 /// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;
@@ -140,10 +141,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let other = find(second, &of_first);
         for (s, path) in [(first, &free[first]), (second, &other)] {
             let seen = points.ica[s].into_iter().chain(points.middle_outlets(s)).chain(points.carotid[s].iter().copied());
-            let mut nodes: Vec<usize> = path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen).collect();
-            nodes.sort_unstable();
-            nodes.dedup();
-            self.trunk[s] = nodes;
+            self.trunk[s] = distinct(path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen));
         }
         for s in [0, 1] {
             if ends(s).is_empty() {
