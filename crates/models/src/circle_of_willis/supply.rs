@@ -137,17 +137,8 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
 
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
-    pub fn about_median(mut values: Vec<(f64, f64)>) -> Self {
-        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
-        values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let quantile = |share: f64| {
-            let mut below = 0.0;
-            let reached = values.iter().find(|(_, weight)| {
-                below += weight;
-                below >= share * total
-            });
-            reached.or(values.last()).map_or(f64::NAN, |(x, _)| *x)
-        };
+    pub fn about_median(values: Vec<(f64, f64)>) -> Self {
+        let quantile = |share| weighted_quantile(values.iter().copied(), share).unwrap_or(f64::NAN);
         Self { middle: quantile(0.5), interval: [quantile(TAIL), quantile(1.0 - TAIL)] }
     }
 
