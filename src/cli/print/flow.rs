@@ -6,9 +6,9 @@ use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{
     Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
     internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
-    internals::report::figures::largest_first, internals::report::page::lead::change, internals::simulation::ClosedVessel,
-    internals::simulation::pulse::Pulse, internals::simulation::pulse::fourier::Indices,
-    internals::simulation::transport::Transport,
+    internals::report::page::lead::change, internals::simulation::ClosedVessel, internals::simulation::pulse::Pulse,
+    internals::simulation::pulse::fourier::Indices, internals::simulation::transport::Transport,
+    internals::support::ties::largest_first,
 };
 
 /// The least share of an outlet's blood that is named.
@@ -104,8 +104,7 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
             let share = transport.nodes[*exit].as_ref()?.supply[at];
             (share >= LEAST_SHARE).then(|| (end_name(network, *exit), share))
         });
-        let mut fed: Vec<(String, f64)> = fed.collect();
-        largest_first(&mut fed, |(_, share)| *share);
+        let fed = largest_first(fed, |(_, share)| *share);
         let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
         let fed = if fed.is_empty() {
             format!("less than {} % of the blood of any outlet", 100.0 * LEAST_SHARE)
@@ -115,8 +114,7 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
         terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
     }
     let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
-    let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
-    largest_first(&mut arrivals, |(_, mean)| -mean);
+    let arrivals = largest_first(arrivals, |(_, mean)| -mean);
     if let (Some(first), Some(last)) = (arrivals.first(), arrivals.last()) {
         let words = |(exit, mean): &(usize, f64)| format!("{} ({:.0} ms)", end_name(network, *exit), milliseconds(*mean));
         terminal.say("arrival", format!("first at {}, last at {}{when}", words(first), words(last)));
@@ -126,8 +124,8 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
 /// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
 fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Pulse, when: &str) {
     let network = &*simulated.network;
-    let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
-    largest_first(&mut found, |(_, of)| of.mean.abs());
+    let vessels = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row)));
+    let found = largest_first(vessels, |(_, of)| of.mean.abs());
     let defined = found.iter().filter(|(_, of)| of.pulsatility.is_finite());
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
@@ -139,8 +137,8 @@ fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Puls
         _ => format!("pulsatility{when} {}", first.join(", ")),
     };
     terminal.say("pulse", format!("period {period} s, {} harmonics; {pulsates}", pulse.harmonics));
-    let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
-    largest_first(&mut back, |(_, of)| of.reversed_share);
+    let turning = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE);
+    let back = largest_first(turning, |(_, of)| of.reversed_share);
     if !back.is_empty() {
         let words = |(row, of): &&(usize, Indices)| format!("{} ({:.0} %)", name(network, *row), 100.0 * of.reversed_share);
         let vessels = listed(back.iter().map(words), NAMED);
