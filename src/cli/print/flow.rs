@@ -23,7 +23,8 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
     let transport = simulated.transports.as_ref().map(|found| &found.unperturbed);
-    say_state(terminal, simulated, (before, transport, simulated.pulses.as_ref().map(|(found, _)| &found.unperturbed)), "");
+    let pulse = simulated.pulses.as_ref().map(|(found, _)| &found.both.unperturbed);
+    say_state(terminal, simulated, (before, transport, pulse), "");
     if let Some(closures) = &simulated.closures {
         // In single precision, so that rounding does not choose between equal vessels; of these the first.
         let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
@@ -43,7 +44,7 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let diffused = format!("{} -> {} diffused", count(before.diffused() as u64), plural(after.diffused(), "vessel"));
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
     let transport = simulated.transports.as_ref().and_then(|found| found.perturbed.as_ref());
-    let pulse = simulated.pulses.as_ref().and_then(|(found, _)| found.perturbed.as_ref());
+    let pulse = simulated.pulses.as_ref().and_then(|(found, _)| found.both.perturbed.as_ref());
     say_state(terminal, simulated, (after, transport, pulse), " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));

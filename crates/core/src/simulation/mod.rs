@@ -33,13 +33,23 @@ pub struct Perturbation {
     pub change: Change,
 }
 
-/// The flow before and after the changes.
+/// Something of a network before and after the changes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Simulation {
-    /// The network without changes.
-    pub unperturbed: State,
-    /// The network with all its perturbations; `None` without any.
-    pub perturbed: Option<State>,
+pub struct BothStates<T> {
+    /// Of the network without changes.
+    pub unperturbed: T,
+    /// Of the network with all its perturbations; `None` without any.
+    pub perturbed: Option<T>,
+}
+
+/// The flow before and after the changes.
+pub type Simulation = BothStates<State>;
+
+impl<T> BothStates<T> {
+    /// Each state with how the names of its columns end.
+    pub fn states(&self) -> impl Iterator<Item = (&T, &'static str)> {
+        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, PERTURBED)))
+    }
 }
 
 impl Change {

@@ -5,9 +5,7 @@
 //! V_j = (Σ q (V_up + (M_up + t - M_j)²) + s_j M_j²)/I_j; first arrival min(first_up + t); per source M_j^k = Σ q f_up^k (M_up^k + t)/(I_j f_j^k).
 //! Pressure falls along the flow, so one pass over the nodes in the order of the flow is exact. Supply fractions: Kansagra and Wong 2008.
 
-use std::collections::BTreeSet;
-
-use super::Simulation;
+use super::{BothStates, Simulation};
 use crate::flow::{Boundary, state::State};
 use crate::network::{Network, walks::other};
 use crate::support::{distinct, grouped, marked};
@@ -91,13 +89,7 @@ impl Transport {
 }
 
 /// The transport of a simulation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Transports {
-    /// In the network as it is.
-    pub unperturbed: Transport,
-    /// With its changes, if there are any.
-    pub perturbed: Option<Transport>,
-}
+pub type Transports = BothStates<Transport>;
 
 impl Transports {
     /// Follows the blood of both states of a simulation.
@@ -110,11 +102,6 @@ impl Transports {
             transport(&ends, &flow, &volume, &is_open)
         };
         Self { unperturbed: through(&simulation.unperturbed), perturbed: simulation.perturbed.as_ref().map(through) }
-    }
-
-    /// Each state with how the names of its columns end.
-    pub fn states(&self) -> impl Iterator<Item = (&Transport, &'static str)> {
-        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, super::PERTURBED)))
     }
 
     /// The nodes through which blood enters in either state.
