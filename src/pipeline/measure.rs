@@ -4,9 +4,9 @@ use std::{borrow::Cow, collections::HashMap, collections::HashSet, path::Path, p
 
 use serde::{Deserialize, Serialize};
 
-use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, arteries::FoundArteries, require};
+use super::arteries::{FoundArteries, draw_topologies};
+use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, require};
 use crate::{Error, Network, ReadOptions, Result, SamplingOptions};
-use willis_core::decision::{KnownEnds, Topologies, TopologySource};
 use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
@@ -165,14 +165,8 @@ impl Measuring<'_> {
         let (network, Some(run), Some(boundary)) = (self.network, &input.run, &self.boundary) else { return Ok(Vec::new()) };
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
         let above = super::classify::above_median(network, boundary, &options, progress)?;
-        if let Some(found) = &self.found {
-            return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
-        }
-        let mut known = vec![false; network.node_count()];
-        run.given.iter().filter(|node| **node < network.node_count()).for_each(|node| known[*node] = true);
-        let usual = TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] });
-        let source = above.as_deref().map_or(usual, TopologySource::Samples);
-        Ok(Topologies::draw(network, boundary, &options, source)?.weighted)
+        let (found, above) = (self.found.as_ref(), above.as_deref());
+        Ok(draw_topologies(found, network, boundary, &options, &run.given, above, false)?.0.weighted)
     }
 }
 
