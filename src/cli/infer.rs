@@ -7,7 +7,7 @@ use super::args::{ArteryArgs, CandidateArgs, boundary_for, file_of, probability,
 use super::checkpoint::{Follower, Interval, parse_interval};
 use super::cohort::{Cohort, FailedInput, Failure, Work};
 use super::command_line::{LinePart, command_line, line_of, parsed, with_flags, with_options};
-use super::print::inference::{say_outcome, say_variant};
+use super::print::inference::{say_circle, say_outcome};
 use super::subjects::{Inputs, Subject, check_output, expand};
 use super::{print::TextTerminal, shell::print_json, signals::listen};
 use crate::internals::formats::{checksum_of_file, write_csv};
@@ -273,10 +273,7 @@ impl Inferences {
                 say_outcome(terminal, &inference.outcome(), inference.seconds());
                 let (record, notes) = inference.write(&sub, &self.save)?;
                 terminal.notes(&notes);
-                if let Some((posterior, how)) = inference.posterior() {
-                    terminal.say("drawn", how);
-                    say_variant(terminal, &posterior.best(), &inference.hypoplastic(), Some(posterior));
-                }
+                say_circle(terminal, &inference);
                 let (done, total) = follower.samples();
                 // Nothing is written after a stop.
                 let stopped = terminal.is_stopped().then_some(Error::Stopped { done, total });

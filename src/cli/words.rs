@@ -9,7 +9,7 @@ use super::command_line::{argument, as_error, line_of, parts, replaced};
 use super::print::{say_read, say_step, taken};
 use super::{
     args::reading::ReadingArgs, classify::ClassifyArgs, infer::InferArgs, modulate::ModulateArgs, parser, phantom::PhantomArgs,
-    print::flow::say_simulated, print::inference::say_outcome, print::inference::say_variant, simulate::SimulateArgs,
+    print::flow::say_simulated, print::inference::say_circle, print::inference::say_outcome, simulate::SimulateArgs,
 };
 use crate::{
     ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
@@ -89,10 +89,7 @@ pub fn said_of_step(step: &Step<'_>) -> Vec<(String, String)> {
 pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
     taken(|terminal| {
         say_outcome(terminal, &run.outcome(), run.seconds());
-        if let Some((posterior, how)) = run.posterior() {
-            terminal.say("drawn", how);
-            say_variant(terminal, &posterior.best(), &run.hypoplastic(), Some(posterior));
-        }
+        say_circle(terminal, run);
     })
 }
 

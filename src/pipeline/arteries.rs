@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::{ArterySource, PhenotypeOptions, SourceFile};
 use crate::{FoundOutlets, LabelScheme, Network, Result, SamplingOptions, Scale};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
-use willis_core::{error::Fault, flow::Boundary, flow::boundary_conditions::stated, network::Condition, network::Role};
+use willis_core::network::{Condition, Role};
+use willis_core::{error::Fault, flow::Boundary, flow::boundary_conditions::stated, support::marked};
 use willis_io::{formats::LandmarkFormat, formats::read_landmarks, output::names::LANDMARKS, output::write_file};
 use willis_models::circle_of_willis::{
     Circle, Collateral, LEAST_DIAMETER, Posterior, Variant, artery_of_label, collaterals, hypoplastic, identify_landmarks,
@@ -143,37 +144,6 @@ impl FoundArteries {
         CircleFigures::of(variant, &diameters, thin)
     }
 
-    /// The plausible topologies, and how they were drawn: by the evidence, where `ends_go_on` as if no vessel ended where nobody knows of an
-    /// end; without evidence those that the samples vote for, by the vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
-    pub fn topologies(
-        &self,
-        network: &Network,
-        boundary: &Boundary,
-        options: &SamplingOptions,
-        given: &[usize],
-        above_median: Option<&[bool]>,
-        ends_go_on: bool,
-    ) -> Result<(Topologies, String)> {
-        let weighed = self.named.as_ref().map(|named| named.weighed(network));
-        let network = weighed.as_ref().unwrap_or(network);
-        let mut known = vec![false; network.node_count()];
-        let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
-        rows.filter(|node| *node < network.node_count()).for_each(|node| known[node] = true);
-        let mut inlets = self.circle.inlets();
-        if !inlets.is_empty() {
-            inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
-        }
-        let ends = KnownEnds { ends: &known, inlets: &inlets };
-        let (draw, how) = match above_median {
-            None if ends_go_on => (TopologySource::FreeEnds(ends), "whose free ends continue by the evidence"),
-            None => (TopologySource::Connections(ends), "by the probabilities of their connections"),
-            Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
-        };
-        let topologies = Topologies::draw(network, boundary, options, draw)?;
-        let how = format!("{} plausible topologies, {how}", topologies.samples);
-        Ok((topologies, how))
-    }
-
     /// The conditions of a network whose arteries these are, where no run has any; outlets that are not stated are `outlets`.
     pub fn boundary(&self, network: &Network, outlets: FoundOutlets) -> Result<Boundary> {
         let mut network = network.clone();
@@ -212,4 +182,35 @@ impl FoundArteries {
             }
         }
     }
+}
+
+/// The plausible topologies, and how they were drawn: by the evidence, where `ends_go_on` as if no vessel ended where nobody knows of an
+/// end; without evidence those that the samples vote for, by the vessels `above_median`. `given` are the nodes whose conditions were stated.
+/// Names weigh the odds of candidates, and arteries say of ends, where they were found.
+pub fn draw_topologies(
+    found: Option<&FoundArteries>,
+    network: &Network,
+    boundary: &Boundary,
+    options: &SamplingOptions,
+    given: &[usize],
+    above_median: Option<&[bool]>,
+    ends_go_on: bool,
+) -> Result<(Topologies, String)> {
+    let weighed = found.and_then(|found| found.named.as_ref()).map(|named| named.weighed(network));
+    let network = weighed.as_ref().unwrap_or(network);
+    let ends = found.map_or_else(Vec::new, |found| found.circle.ends(network));
+    let ends = ends.iter().chain(given).copied().filter(|node| *node < network.node_count());
+    let mut inlets = found.map_or_else(Vec::new, |found| found.circle.inlets());
+    if !inlets.is_empty() {
+        inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
+    }
+    let ends = KnownEnds { ends: &marked(network.node_count(), ends), inlets: &inlets };
+    let (draw, how) = match above_median {
+        None if ends_go_on => (TopologySource::FreeEnds(ends), "whose free ends continue by the evidence"),
+        None => (TopologySource::Connections(ends), "by the probabilities of their connections"),
+        Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
+    };
+    let topologies = Topologies::draw(network, boundary, options, draw)?;
+    let how = format!("{} plausible topologies, {how}", topologies.samples);
+    Ok((topologies, how))
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::arteries::FoundArteries;
+use super::arteries::{FoundArteries, draw_topologies};
 use super::input::StoredRun;
 use super::prepare::{NO_PHENOTYPE, note_on_names};
 use super::{ArterySource, Follow, InferOptions, Input, PhenotypeOptions, Prepared, Silent, prepare};
@@ -97,7 +97,7 @@ pub fn classify(
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = above_median(network, &boundary, &options, progress)?;
-        let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref(), true)?;
+        let (topologies, how) = draw_topologies(Some(&found), network, &boundary, &options, &run.given, above.as_deref(), true)?;
         let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
         (topologies.weighted, posterior.best(), Some(posterior), Some(boundary))
@@ -153,7 +153,7 @@ pub fn plausible(prepared: &Prepared, found: &FoundArteries, follow: &mut dyn Fo
     let Prepared { graph, boundary, options, candidates, .. } = prepared;
     let sampling = &options.infer.sampling;
     let above = if candidates.is_some() { None } else { above_median(graph, boundary, sampling, follow)? };
-    let (topologies, how) = found.topologies(graph, boundary, sampling, &prepared.given(), above.as_deref(), true)?;
+    let (topologies, how) = draw_topologies(Some(found), graph, boundary, sampling, &prepared.given(), above.as_deref(), true)?;
     let posterior = found.posterior_from(graph, &topologies, &options.infer.phenotypes)?;
     Ok((topologies, how, posterior))
 }

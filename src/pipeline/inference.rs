@@ -5,6 +5,7 @@ use std::{path::Path, sync::Arc, time::Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::arteries::draw_topologies;
 use super::decisions::{Decidable, Decided, DecisionList};
 use super::{ConnectionDecision, Follow, GraphEdit, Prepared, Step, progress::Notes, require};
 use crate::{Decision, Error, Keep, Likelihood, Network, Result, SamplingOptions, SaveOptions};
@@ -116,7 +117,8 @@ impl Sampled {
         let (mut posterior, mut circle, mut supplies) = (None, None, Vec::new());
         if let Some(found) = arteries {
             let above = (!has_evidence(graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) = found.topologies(graph, boundary, &self.sampling, &self.prepared.given(), above, true)?;
+            let (topologies, how) =
+                draw_topologies(Some(found), graph, boundary, &self.sampling, &self.prepared.given(), above, true)?;
             let phenotypes = &options.infer.phenotypes;
             let said = found.posterior_from(graph, &topologies, phenotypes)?;
             circle = Some(found.circle_figures(graph, &said.best(), &said.topology, phenotypes));

@@ -4,14 +4,15 @@ use std::{borrow::Cow, collections::HashMap, collections::HashSet, path::Path, p
 
 use serde::{Deserialize, Serialize};
 
-use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, arteries::FoundArteries, require};
+use super::arteries::{FoundArteries, draw_topologies};
+use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, require};
 use crate::{Error, Network, ReadOptions, Result, SamplingOptions};
-use willis_core::decision::{KnownEnds, Topologies, TopologySource};
 use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
 use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
-use willis_core::{error::Fault, flow::Boundary, network::Role, support::in_order, support::suggestions::did_you_mean};
+use willis_core::support::{distinct, in_order, list_of, suggestions::did_you_mean};
+use willis_core::{error::Fault, flow::Boundary, network::Role};
 use willis_io::{formats::Column, formats::read_image, masks::Picture};
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
@@ -107,14 +108,8 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let brain = options.brain.as_ref().map(|path| brain(path, &input.options, network)).transpose()?;
     let phenotypes = options.phenotypes();
     let found = arteries(input, network, &phenotypes, &mut notes);
-    let mut territory = vec![None; if found.is_some() { network.vessel_count() } else { 0 }];
-    if let Some(found) = &found {
-        for (at, rows) in found.circle.arteries_in(network, |_| true).1.territories.iter().enumerate() {
-            for row in rows {
-                territory[*row] = Some(at);
-            }
-        }
-    }
+    let by_territory = found.as_ref().map(|found| found.circle.arteries_in(network, |_| true).1.territories);
+    let territory = by_territory.map_or_else(Vec::new, |rows| list_of(network.vessel_count(), &rows));
     let measuring = Measuring { network, boundary, region: brain.as_ref(), territory, found, phenotypes };
     let plausible = measuring.plausible(input, progress)?.into_iter();
     let plausible = plausible.map(|(kept, weight)| (measuring.figures(&kept), weight)).collect();
@@ -170,14 +165,8 @@ impl Measuring<'_> {
         let (network, Some(run), Some(boundary)) = (self.network, &input.run, &self.boundary) else { return Ok(Vec::new()) };
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
         let above = super::classify::above_median(network, boundary, &options, progress)?;
-        if let Some(found) = &self.found {
-            return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
-        }
-        let mut known = vec![false; network.node_count()];
-        run.given.iter().filter(|node| **node < network.node_count()).for_each(|node| known[*node] = true);
-        let usual = TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] });
-        let source = above.as_deref().map_or(usual, TopologySource::Samples);
-        Ok(Topologies::draw(network, boundary, &options, source)?.weighted)
+        let (found, above) = (self.found.as_ref(), above.as_deref());
+        Ok(draw_topologies(found, network, boundary, &options, &run.given, above, false)?.0.weighted)
     }
 }
 
@@ -256,9 +245,7 @@ pub struct ComparisonOptions {
 ///
 /// More or fewer than two groups, or one of a single subject.
 pub fn two_groups(column: &str, values: &[&str]) -> Result<([String; 2], Vec<Option<bool>>)> {
-    let mut names: Vec<&str> = values.iter().copied().filter(|value| !value.is_empty()).collect();
-    names.sort_unstable();
-    names.dedup();
+    let names = distinct(values.iter().copied().filter(|value| !value.is_empty()));
     let refused =
         |why: String| Err(Error::parameter("compare", column, format!("expected two groups of two subjects at least, {why}")));
     let [first, second] = *names else {

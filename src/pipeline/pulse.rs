@@ -13,7 +13,7 @@ use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Role, locate};
 use willis_core::simulation::pulse::fourier::{Indices, beyond, coefficients, samples};
 use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, typical, walled};
-use willis_core::simulation::{Perturbation, Simulation, perturbed};
+use willis_core::simulation::{BothStates, Perturbation, Simulation, perturbed};
 use willis_core::{flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
 use willis_report::end_name;
 
@@ -187,10 +187,10 @@ impl Waves {
             "outlet_time_constant_s": options.time_constant,
             "inlets": inlets.collect::<Vec<_>>(),
         });
-        let unperturbed = solve(&simulation.unperturbed, &vessels)?;
+        let both = BothStates { unperturbed: solve(&simulation.unperturbed, &vessels)?, perturbed };
         let first = &self.drives(network, &simulation.unperturbed)[0];
         let first_phase = Indices::of(&first.coefficients, self.period, 0.0).phase;
-        Ok((Pulses { unperturbed, perturbed, fluid, first_phase, times: options.times }, record))
+        Ok((Pulses { both, fluid, first_phase, times: options.times }, record))
     }
 }
 

@@ -267,7 +267,7 @@ fn every_circle_that_ships() {
             let options = FlowOptions { pulse: Some(pulse), transport: true, ..FlowOptions::default() };
             let run = willis::simulate(&input, &[], &options).expect("a flow");
             let stated = circle(&file.display().to_string(), &input.network);
-            let pulse = run.pulses.as_ref().expect("it was asked for").0.unperturbed.clone();
+            let pulse = run.pulses.as_ref().expect("it was asked for").0.both.unperturbed.clone();
             Compared { pulse, transport: run.transports.as_ref().expect("it was asked for").unperturbed.clone(), ..stated }
         })
         .collect();

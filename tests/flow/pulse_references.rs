@@ -115,12 +115,12 @@ fn the_circles_of_another_program() {
         let options = PulseOptions { waveforms: vec![waveform], harmonics: 20, ..PulseOptions::default() };
         let (network, pulses) = solve(&path, options, 3.5e-3);
         let columns = willis::internals::report::pulse_vessel_columns(&pulses);
-        let scale = ml_per_min(pulses.unperturbed.largest_flow);
+        let scale = ml_per_min(pulses.both.unperturbed.largest_flow);
         for row in 0..network.vessel_count() {
             let label = network.vessel(row).label.as_str();
             let expected = &vessels[label];
             for (n, q) in complex(&expected["flow_harmonics_mL_per_min"]).into_iter().enumerate() {
-                let got = pulses.unperturbed.vessels[row].flow[1][n] * ml_per_min(1.0);
+                let got = pulses.both.unperturbed.vessels[row].flow[1][n] * ml_per_min(1.0);
                 assert!((got - q).norm() <= 1e-9 * scale, "{name} {label} Q{n}: {got} for {q}");
             }
             for column in &columns {
@@ -333,7 +333,7 @@ fn figures_of_circles_are_possible() {
         for waveform in [pressure.clone(), flow.clone(), "typical".to_owned()] {
             let name = format!("{} {waveform}", path.display());
             let (network, pulses) = solve(&path, PulseOptions { waveforms: vec![waveform], ..PulseOptions::default() }, 3.5e-3);
-            let arrivals = &pulses.unperturbed.arrivals;
+            let arrivals = &pulses.both.unperturbed.arrivals;
             let inlets = (0..network.node_count()).filter(|node| network.node(*node).role == Some(Role::Inlet));
             let earliest = inlets.map(|node| arrivals.nodes[node]).fold(f64::INFINITY, f64::min);
             assert_eq!(earliest, arrivals.first, "{name}");

@@ -6,9 +6,9 @@ use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{
     Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
     internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
-    internals::report::figures::largest_first, internals::report::page::lead::change, internals::simulation::ClosedVessel,
-    internals::simulation::pulse::Pulse, internals::simulation::pulse::fourier::Indices,
-    internals::simulation::transport::Transport,
+    internals::report::page::lead::change, internals::simulation::ClosedVessel, internals::simulation::pulse::Pulse,
+    internals::simulation::pulse::fourier::Indices, internals::simulation::transport::Transport,
+    internals::support::ties::largest_first,
 };
 
 /// The least share of an outlet's blood that is named.
@@ -23,7 +23,8 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
     let transport = simulated.transports.as_ref().map(|found| &found.unperturbed);
-    say_state(terminal, simulated, (before, transport, simulated.pulses.as_ref().map(|(found, _)| &found.unperturbed)), "");
+    let pulse = simulated.pulses.as_ref().map(|(found, _)| &found.both.unperturbed);
+    say_state(terminal, simulated, (before, transport, pulse), "");
     if let Some(closures) = &simulated.closures {
         // In single precision, so that rounding does not choose between equal vessels; of these the first.
         let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
@@ -43,7 +44,7 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let diffused = format!("{} -> {} diffused", count(before.diffused() as u64), plural(after.diffused(), "vessel"));
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
     let transport = simulated.transports.as_ref().and_then(|found| found.perturbed.as_ref());
-    let pulse = simulated.pulses.as_ref().and_then(|(found, _)| found.perturbed.as_ref());
+    let pulse = simulated.pulses.as_ref().and_then(|(found, _)| found.both.perturbed.as_ref());
     say_state(terminal, simulated, (after, transport, pulse), " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));
@@ -104,8 +105,7 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
             let share = transport.nodes[*exit].as_ref()?.supply[at];
             (share >= LEAST_SHARE).then(|| (end_name(network, *exit), share))
         });
-        let mut fed: Vec<(String, f64)> = fed.collect();
-        largest_first(&mut fed, |(_, share)| *share);
+        let fed = largest_first(fed, |(_, share)| *share);
         let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
         let fed = if fed.is_empty() {
             format!("less than {} % of the blood of any outlet", 100.0 * LEAST_SHARE)
@@ -115,8 +115,7 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
         terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
     }
     let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
-    let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
-    largest_first(&mut arrivals, |(_, mean)| -mean);
+    let arrivals = largest_first(arrivals, |(_, mean)| -mean);
     if let (Some(first), Some(last)) = (arrivals.first(), arrivals.last()) {
         let words = |(exit, mean): &(usize, f64)| format!("{} ({:.0} ms)", end_name(network, *exit), milliseconds(*mean));
         terminal.say("arrival", format!("first at {}, last at {}{when}", words(first), words(last)));
@@ -126,8 +125,8 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
 /// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
 fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Pulse, when: &str) {
     let network = &*simulated.network;
-    let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
-    largest_first(&mut found, |(_, of)| of.mean.abs());
+    let vessels = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row)));
+    let found = largest_first(vessels, |(_, of)| of.mean.abs());
     let defined = found.iter().filter(|(_, of)| of.pulsatility.is_finite());
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
@@ -139,8 +138,8 @@ fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Puls
         _ => format!("pulsatility{when} {}", first.join(", ")),
     };
     terminal.say("pulse", format!("period {period} s, {} harmonics; {pulsates}", pulse.harmonics));
-    let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
-    largest_first(&mut back, |(_, of)| of.reversed_share);
+    let turning = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE);
+    let back = largest_first(turning, |(_, of)| of.reversed_share);
     if !back.is_empty() {
         let words = |(row, of): &&(usize, Indices)| format!("{} ({:.0} %)", name(network, *row), 100.0 * of.reversed_share);
         let vessels = listed(back.iter().map(words), NAMED);

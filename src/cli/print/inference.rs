@@ -2,7 +2,7 @@
 
 use super::{TextTerminal, brief, count, plural};
 use crate::internals::circle_of_willis::{Artery, Collateral, Posterior, RING, TERRITORIES, Variant};
-use crate::{Keep, Weight, internals::report::Outcome, internals::report::few_perfused};
+use crate::{Inference, Keep, Weight, internals::report::Outcome, internals::report::few_perfused};
 
 /// Says what was kept, and what the kept graph looks like. Sampling took so many `seconds`.
 pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) {
@@ -57,6 +57,14 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         let above = format!("{} of {}", count(median.kept as u64), plural(median.kept + median.pruned, "uncertain vessel"));
         let shape = format!("{}, {}", plural(median.components, "component"), plural(median.cycles, "independent cycle"));
         say("median", format!("{above} above the median of L: {shape}, as topology-median"));
+    }
+}
+
+/// Says what a run knows of a Circle of Willis, where its arteries are known.
+pub fn say_circle(terminal: TextTerminal, run: &Inference) {
+    if let Some((posterior, how)) = run.posterior() {
+        terminal.say("drawn", how);
+        say_variant(terminal, &posterior.best(), &run.hypoplastic(), Some(posterior));
     }
 }
 

@@ -180,10 +180,8 @@ impl Boundary {
         let holds = |node: usize| joined.binary_search(&node).is_err();
         let parts = fragments(network, |row, _| open(row));
         let fed = parts.holding(self.inlets().filter(|node| holds(*node)));
-        let mut found_outlets = self.found_outlets.clone();
-        found_outlets.retain(|node| holds(*node) && fed[*node]);
-        let mut found_inlets = self.found_inlets.clone();
-        found_inlets.retain(|node| holds(*node));
+        let found_outlets: Vec<usize> = self.found_outlets.iter().copied().filter(|node| holds(*node) && fed[*node]).collect();
+        let found_inlets: Vec<usize> = self.found_inlets.iter().copied().filter(|node| holds(*node)).collect();
         let conducts = |nodes: &[usize]| -> f64 {
             let terminal = |node: &usize| match self.condition(*node) {
                 Some(Condition::Resistance { resistance, .. }) => 1.0 / resistance,

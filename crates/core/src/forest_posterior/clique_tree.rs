@@ -10,7 +10,7 @@
 //! each child the same of all others. It never subtracts a child's own message.
 
 use super::absorbing_walk::AbsorbingWalk;
-use crate::support::{counted, elimination::Star, placed};
+use crate::support::{counted, distinct, elimination::Star, placed};
 
 /// Fragments that are solved together.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -174,9 +174,7 @@ fn descend(
             continue;
         }
         let walk = with(&start.walk, &start.nodes, others, up, place);
-        let mut kept: Vec<usize> = half.iter().flat_map(shared).copied().collect();
-        kept.sort_unstable();
-        kept.dedup();
+        let kept = distinct(half.iter().flat_map(shared).copied());
         let (next, _) = reduced(walk, &start.nodes, &kept);
         descend(next, half, cliques, up, place, whole);
     }

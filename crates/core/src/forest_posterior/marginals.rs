@@ -178,7 +178,7 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     let scaled = Scaled::new(forests);
     let stars = scaled.stars(forests);
     // Fragments by their places in the order; its meshes, which a tangle has too many of, are not kept.
-    let order = Elimination::of_stars(stars.len(), &stars, 0);
+    let order = Elimination::of_stars(&stars, 0);
     // By place the odds of dying there or in what was eliminated: with a mark, and without.
     let of_star = |star: &Star| {
         let root = scaled.root[star.center];

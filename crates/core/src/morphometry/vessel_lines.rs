@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use crate::network::walks::{Walk, runs, vessels_at};
 use crate::network::{Network, Vessel};
-use crate::support::normal_equations::solve;
+use crate::support::normal_equations::{normal_equations, solve};
 use crate::support::{Point, arc_lengths::in_direction, cross, distance, dot, lerp, norm, norm_squared, sub, unit};
 
 /// A vessel between two junctions or ends, as a line of points.
@@ -324,24 +324,16 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
     }
     let reach = within.max(1.000_001 * (at - line.at[low]).max(line.at[high - 1] - at));
     let terms = TERMS.min(high - low);
-    let (mut normal, mut moments) = ([[0.0; TERMS]; TERMS], [[0.0; 3]; TERMS]);
-    let origin = line.points[low];
-    for ((at_point, point), share) in line.at[low..high].iter().zip(&line.points[low..high]).zip(&weights[low..high]) {
+    let near = line.at[low..high].iter().zip(&line.points[low..high]).zip(&weights[low..high]);
+    let rows = near.map(|((at_point, point), share)| {
         let u = (at_point - at) / reach;
-        let weight = share * (1.0 - u * u).max(1e-3).powi(2);
         let mut powers = [1.0; TERMS];
         for k in 1..TERMS {
             powers[k] = powers[k - 1] * u;
         }
-        for ((row, moment), power) in normal.iter_mut().zip(&mut moments).zip(powers) {
-            for (cell, other) in row.iter_mut().zip(powers) {
-                *cell += weight * power * other;
-            }
-            for axis in 0..3 {
-                moment[axis] += weight * power * (point[axis] - origin[axis]);
-            }
-        }
-    }
+        (share * (1.0 - u * u).max(1e-3).powi(2), powers, sub(*point, line.points[low]))
+    });
+    let (normal, moments) = normal_equations(rows);
     let solved = solve(normal, moments, terms);
     let of = |term: usize, factor: f64| {
         // Without a term it is zero.

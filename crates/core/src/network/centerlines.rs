@@ -8,8 +8,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use petgraph::unionfind::UnionFind;
 
+use super::path_places::{PathPlace, divided, length_of};
 use super::walks::{Walk, edges_at, other_end, runs_by_node, vessels_at};
-use super::{Frame, LengthUnit, Network, Node, Origin, PathPoint, Vessel, path_places::length_of};
+use super::{Frame, LengthUnit, Network, Node, Origin, PathPoint, Vessel};
 use crate::error::Fault;
 use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, distance};
 
@@ -349,22 +350,36 @@ impl Vessel {
         Self { path, ..Self::new(length, radius, Origin::Observed) }
     }
 
-    /// The observed part of it along a piece of its course, which is `whole` m long. The part has the radius of its own points, its share of the
-    /// length and of a resistance that is stated, and the same label, prior, wall and decisions.
-    #[must_use]
-    pub fn part(&self, piece: Vec<PathPoint>, whole: f64, rule: RadiusRule) -> Self {
-        let along = Self::along(piece, rule);
-        let (stretched, share) = if whole > 0.0 { (self.length / whole, along.length / whole) } else { (1.0, 1.0) };
-        Self {
-            length: along.length * stretched,
-            resistance: self.resistance.map(|resistance| share * resistance),
-            label: self.label.clone(),
-            prior: self.prior,
-            certain: self.certain,
-            kept: self.kept,
-            wall: self.wall,
-            ..along
-        }
+    /// The observed parts of it between places of its `course`, given in order, with their two nodes: `node` makes that of a place, by its number
+    /// and the point there. A part has the radius of its own points, its share of the length and of a resistance that is stated, and the same
+    /// label, prior, wall and decisions.
+    pub fn parts(
+        &self,
+        ends: [usize; 2],
+        course: &[PathPoint],
+        places: impl IntoIterator<Item = PathPlace>,
+        rule: RadiusRule,
+        mut node: impl FnMut(usize, PathPoint) -> usize,
+    ) -> Vec<([usize; 2], Self)> {
+        let (whole, pieces) = (length_of(course), divided(course, places));
+        let (mut from, last) = (ends[0], pieces.len() - 1);
+        let part = |(number, piece): (usize, Vec<PathPoint>)| {
+            let to = if number == last { ends[1] } else { node(number, piece[piece.len() - 1]) };
+            let along = Self::along(piece, rule);
+            let (stretched, share) = if whole > 0.0 { (self.length / whole, along.length / whole) } else { (1.0, 1.0) };
+            let part = Self {
+                length: along.length * stretched,
+                resistance: self.resistance.map(|resistance| share * resistance),
+                label: self.label.clone(),
+                prior: self.prior,
+                certain: self.certain,
+                kept: self.kept,
+                wall: self.wall,
+                ..along
+            };
+            ([std::mem::replace(&mut from, to), to], part)
+        };
+        pieces.into_iter().enumerate().map(part).collect()
     }
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::path_places::length_of;
 use super::{Evidence, Frame, LengthsAt, Network, Node, Origin, PathPoint, ShortestPaths, Vessel, lengths_at, millimetres};
 use crate::error::in_few_digits;
-use crate::support::{Point, distance, dot, lerp, norm_squared, sub};
+use crate::support::{Point, distance, lerp, onto};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
 const REACH: f64 = 0.002;
@@ -187,7 +187,7 @@ impl GraphEditor {
         }
         let id = self.free_id(&self.nodes[ends[0]].id.clone());
         let node = self.nodes.len();
-        self.nodes.push(Node { id, position: Some(middle.position), radius: Some(middle.radius), ..Node::default() });
+        self.nodes.push(Node::at(id, middle));
         let (ends, vessel) = &mut self.vessels[row];
         let share = [first, second].map(|length| length / (first + second));
         let has_path = !vessel.path.is_empty();
@@ -446,14 +446,6 @@ impl GraphEditor {
             }
         }
     }
-}
-
-/// How far along a stretch the point of it lies that is nearest to a place, as a share, and how far away it is, m.
-fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
-    let along = sub(to, from);
-    let square = norm_squared(along);
-    let share = if square > 0.0 { (dot(along, sub(at, from)) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (share, distance(at, lerp(from, to, share)))
 }
 
 /// A place in mm, not m.

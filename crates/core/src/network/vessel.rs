@@ -287,6 +287,11 @@ pub struct Node {
 }
 
 impl Node {
+    /// A node at a point of a centerline.
+    pub fn at(id: String, point: PathPoint) -> Self {
+        Self { id, position: Some(point.position), radius: Some(point.radius), ..Self::default() }
+    }
+
     /// The parts of a Windkessel that the input states; few nodes have any.
     pub fn windkessel(&self) -> Windkessel {
         self.windkessel.as_deref().copied().unwrap_or_default()

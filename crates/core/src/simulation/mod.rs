@@ -7,7 +7,7 @@ pub mod transport;
 use crate::error::{Error, Result};
 use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube, check_viscosity, drives_flow, state::State};
 use crate::network::{Network, Role, millimetres};
-use crate::{perturbation::Stenosis, support::in_order};
+use crate::{perturbation::Stenosis, support::in_order, support::ties::largest_first};
 
 /// How the names of columns of the perturbed network end.
 pub const PERTURBED: &str = "_perturbed";
@@ -33,13 +33,23 @@ pub struct Perturbation {
     pub change: Change,
 }
 
-/// The flow before and after the changes.
+/// Something of a network before and after the changes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Simulation {
-    /// The network without changes.
-    pub unperturbed: State,
-    /// The network with all its perturbations; `None` without any.
-    pub perturbed: Option<State>,
+pub struct BothStates<T> {
+    /// Of the network without changes.
+    pub unperturbed: T,
+    /// Of the network with all its perturbations; `None` without any.
+    pub perturbed: Option<T>,
+}
+
+/// The flow before and after the changes.
+pub type Simulation = BothStates<State>;
+
+impl<T> BothStates<T> {
+    /// Each state with how the names of its columns end.
+    pub fn states(&self) -> impl Iterator<Item = (&T, &'static str)> {
+        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, PERTURBED)))
+    }
 }
 
 impl Change {
@@ -159,13 +169,6 @@ pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) 
     let cut = rounding(before, after);
     let turned = |c: &FlowChange| c.is_reversed() && c.before.abs() > cut && c.after.abs() > cut;
     largest_first(untouched(before, after, perturbations).filter(turned), |c| c.after.abs())
-}
-
-/// The largest figure first. Figures are compared in single precision, so that rounding does not change the order of equal vessels.
-fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&FlowChange) -> f64) -> Vec<FlowChange> {
-    let mut changes: Vec<FlowChange> = changes.collect();
-    changes.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
-    changes
 }
 
 fn untouched(before: &State, after: &State, perturbations: &[Perturbation]) -> impl Iterator<Item = FlowChange> {

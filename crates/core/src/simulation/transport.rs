@@ -5,12 +5,10 @@
 //! V_j = (Σ q (V_up + (M_up + t - M_j)²) + s_j M_j²)/I_j; first arrival min(first_up + t); per source M_j^k = Σ q f_up^k (M_up^k + t)/(I_j f_j^k).
 //! Pressure falls along the flow, so one pass over the nodes in the order of the flow is exact. Supply fractions: Kansagra and Wong 2008.
 
-use std::collections::BTreeSet;
-
-use super::Simulation;
+use super::{BothStates, Simulation};
 use crate::flow::{Boundary, state::State};
 use crate::network::{Network, walks::other};
-use crate::support::{grouped, marked};
+use crate::support::{distinct, grouped, marked};
 
 /// A flow is no source or exit where it is less than this share of what passes its node.
 const ROUNDING: f64 = 1e-9;
@@ -91,13 +89,7 @@ impl Transport {
 }
 
 /// The transport of a simulation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Transports {
-    /// In the network as it is.
-    pub unperturbed: Transport,
-    /// With its changes, if there are any.
-    pub perturbed: Option<Transport>,
-}
+pub type Transports = BothStates<Transport>;
 
 impl Transports {
     /// Follows the blood of both states of a simulation.
@@ -112,21 +104,14 @@ impl Transports {
         Self { unperturbed: through(&simulation.unperturbed), perturbed: simulation.perturbed.as_ref().map(through) }
     }
 
-    /// Each state with how the names of its columns end.
-    pub fn states(&self) -> impl Iterator<Item = (&Transport, &'static str)> {
-        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, super::PERTURBED)))
-    }
-
     /// The nodes through which blood enters in either state.
     pub fn sources(&self) -> Vec<usize> {
-        let sources: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.sources.iter().copied()).collect();
-        sources.into_iter().collect()
+        distinct(self.states().flat_map(|(state, _)| state.sources.iter().copied()))
     }
 
     /// The nodes through which blood leaves in either state.
     pub fn exits(&self) -> Vec<usize> {
-        let exits: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)).collect();
-        exits.into_iter().collect()
+        distinct(self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)))
     }
 }
 

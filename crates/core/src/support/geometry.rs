@@ -41,14 +41,27 @@ pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }
 
+/// How far along the stretch between two points the point of it lies that is nearest to a place, as a share, and how far away it is.
+pub fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
+    let along = sub(to, from);
+    let square = norm_squared(along);
+    let share = if square > 0.0 { (dot(along, sub(at, from)) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (share, distance(at, lerp(from, to, share)))
+}
+
 /// The mean of some points; zero for none.
 pub fn centroid(points: impl IntoIterator<Item = Point>) -> Point {
-    let (mut sum, mut count) = ([0.0; 3], 0_usize);
-    for p in points {
-        sum = [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]];
-        count += 1;
+    weighted_centroid(points.into_iter().map(|point| (point, 1.0))).unwrap_or_default()
+}
+
+/// The mean of some points, each with a weight; `None` where all the weights are zero.
+pub fn weighted_centroid(points: impl IntoIterator<Item = (Point, f64)>) -> Option<Point> {
+    let (mut sum, mut total) = ([0.0; 3], 0.0);
+    for (p, weight) in points {
+        sum = [0, 1, 2].map(|k| sum[k] + weight * p[k]);
+        total += weight;
     }
-    sum.map(|x| x / count.max(1) as f64)
+    (total > 0.0).then(|| sum.map(|x| x / total))
 }
 
 /// a / |a|; zero stays zero.

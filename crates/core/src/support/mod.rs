@@ -23,13 +23,21 @@ pub mod ties;
 pub mod toml_text;
 
 pub use geometry::{
-    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, radius_of, smooth,
-    straightest, sub, unit,
+    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, onto, radius_of, smooth,
+    straightest, sub, unit, weighted_centroid,
 };
-pub use numbered::{counted, grouped, marked, placed};
+pub use numbered::{counted, grouped, list_of, marked, placed};
 pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantile};
 
 use rayon::prelude::*;
+
+/// Some items in rising order, each once.
+pub fn distinct<T: Ord>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut items: Vec<T> = items.into_iter().collect();
+    items.sort_unstable();
+    items.dedup();
+    items
+}
 
 /// The result of `work` for each item, in their order at any number of threads.
 pub fn in_order<'t, T: Sync, R: Send>(items: &'t [T], work: impl Fn(usize, &'t T) -> R + Sync) -> Vec<R> {

@@ -29,3 +29,12 @@ pub fn placed(count: usize, given: impl IntoIterator<Item = usize>) -> Vec<usize
     given.into_iter().enumerate().for_each(|(place, number)| places[number] = place);
     places
 }
+
+/// In which of some lists each of `count` numbers is; `None` for one that is in none.
+pub fn list_of(count: usize, lists: &[Vec<usize>]) -> Vec<Option<usize>> {
+    let mut found = vec![None; count];
+    for (list, numbers) in lists.iter().enumerate() {
+        numbers.iter().for_each(|number| found[*number] = Some(list));
+    }
+    found
+}

@@ -19,8 +19,8 @@ pub fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
 /// The least of some values, each with a weight, that values of so great a share of the weight do not exceed; `None` without values.
 pub fn weighted_quantile(values: impl Iterator<Item = (f64, f64)>, share: f64) -> Option<f64> {
     let mut sorted: Vec<(f64, f64)> = values.collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = sorted.iter().map(|(_, weight)| weight).sum();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut sum = 0.0;
     let found = sorted.iter().find(|(_, weight)| {
         sum += weight;

@@ -1,13 +1,13 @@
 //! Suggests names near to one that is unknown.
 
+use super::distinct;
+
 /// The names from the nearest to the furthest, each once.
 ///
 /// Near is by edit distance (insertions, deletions, substitutions and swaps of neighbours), without regard to case, with or without
 /// what separates words, whichever is nearer; equally near names are in alphabetical order, and of those with the same letters the one with nearer separators comes first.
 pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut names: Vec<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
-    names.sort_unstable();
-    names.dedup();
+    let mut names = distinct(names.into_iter().filter(|name| !name.is_empty()));
     let raw = |name: &str| strsim::osa_distance(&wanted.to_lowercase(), &name.to_lowercase());
     names.sort_by_cached_key(|name| (distance(wanted, name).0, plain(name), raw(name)));
     names

@@ -29,6 +29,13 @@ pub fn near_zero(x: f64) -> f64 {
     (x * STEPS).round() / STEPS + 0.0
 }
 
+/// Some items by a figure, the largest first; in single precision, so that rounding does not change the order of equal ones.
+pub fn largest_first<T>(items: impl IntoIterator<Item = T>, figure: impl Fn(&T) -> f64) -> Vec<T> {
+    let mut items: Vec<T> = items.into_iter().collect();
+    items.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
+    items
+}
+
 /// Lexicographic order.
 pub fn compare(a: &[f64], b: &[f64]) -> Ordering {
     a.iter().zip(b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)

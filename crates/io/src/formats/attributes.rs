@@ -6,6 +6,7 @@ use crate::formats::tables::conditions::VENOUS;
 use crate::formats::{Fault, Point, ReadOptions, Scale, counted, distance, ensure, is_missing, is_radius, number, plural};
 use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
 use willis_core::network::{metres, path_places::length_of, units};
+use willis_core::support::distinct;
 
 /// The attributes that may give the radius where none has "radius" in its name.
 const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
@@ -389,9 +390,7 @@ impl<'a> Record<'a> {
     /// The names of the attributes that are not empty.
     pub(crate) fn names(&self) -> Vec<&'a str> {
         let own = self.fields.iter().filter_map(|field| self.all.names[field.name as usize].as_deref());
-        let mut names: Vec<&str> = own.chain(self.all.defaults.keys().map(String::as_str)).collect();
-        names.sort_unstable();
-        names.dedup();
+        let mut names = distinct(own.chain(self.all.defaults.keys().map(String::as_str)));
         names.retain(|name| self.text(name).is_some());
         names
     }

@@ -7,10 +7,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::features::{Extraction, NetworkPoint};
 use super::resample::Resampled;
 use super::search::{CandidateOptions, CandidateRadius, EndCandidate};
-use willis_core::network::path_places::{PathPlace, divided, length_of};
+use willis_core::network::path_places::{PathPlace, length_of};
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
+use willis_core::support::list_of;
 
 /// A fragment keeps those within so many of its largest radii: no search reaches that far (20 spacings, of two radii at most, and 10 radii).
 const REACH_RADII: f64 = 50.0;
@@ -55,13 +56,8 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<FragmentClust
     if groups.len() < 2 {
         return vec![whole()];
     }
-    let mut group_of = vec![0; parts.count];
-    for (group, members) in groups.iter().enumerate() {
-        for part in members {
-            group_of[*part] = group;
-        }
-    }
-    let networks = network.parts(groups.len(), |node| Some(group_of[parts.of_node[node]]));
+    let group_of = list_of(parts.count, &groups);
+    let networks = network.parts(groups.len(), |node| group_of[parts.of_node[node]]);
     let cluster = |(part, nodes, vessels): (Network, Vec<usize>, Vec<usize>)| {
         let inlets = inlets.iter().filter_map(|inlet| nodes.binary_search(inlet).ok()).collect();
         FragmentCluster { network: Cow::Owned(part), inlets, rows: Some([nodes, vessels]) }
@@ -234,21 +230,19 @@ fn split(network: &Network, cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>, 
             graph.add_vessel(ends, vessel.clone());
             continue;
         };
-        let (mut from, whole) = (ends[0], length_of(&vessel.path));
-        let mut pieces = divided(&vessel.path, points.values().copied()).into_iter();
-        for ((point, place), piece) in points.iter().zip(&mut pieces) {
-            let at = place.on(&vessel.path);
+        let cuts: Vec<usize> = points.keys().copied().collect();
+        let parts = vessel.parts(ends, &vessel.path, points.values().copied(), rule, |number, at| {
+            let point = cuts[number];
             let mut id = at.id.map_or_else(|| format!("{row}:{point}"), |id| id.to_string());
             while !taken.insert(id.clone()) {
                 id = format!("{row}:{id}");
             }
-            let node = graph.add_node(Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() });
-            node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
-            graph.add_vessel([from, node], vessel.part(piece, whole, rule));
-            from = node;
-        }
-        for last in pieces {
-            graph.add_vessel([from, ends[1]], vessel.part(last, whole, rule));
+            let node = graph.add_node(Node::at(id, at));
+            node_at.insert(NetworkPoint::Along { vessel: row, point }, node);
+            node
+        });
+        for (ends, part) in parts {
+            graph.add_vessel(ends, part);
         }
     }
     (graph, node_at)

@@ -11,7 +11,7 @@ use super::segments_by_labels::{self, LabelMeaning};
 use super::segments_by_landmarks::Points;
 use willis_core::network::{NearestNode, Network, Origin, units::millimetres};
 use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, sub, unit};
-use willis_core::{error::Fault, support::in_order};
+use willis_core::{error::Fault, support::distinct, support::in_order};
 
 /// Where the arteries lie in a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -210,13 +210,10 @@ impl Circle {
     /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks of inlets and outlets, or for every
     /// labelled artery that enters or leaves the circle its free end farthest from the middle.
     pub fn ends(&self, network: &Network) -> Vec<usize> {
-        let mut nodes: Vec<usize> = match &self.location {
-            Location::Vessels(meanings) => outermost_ends(network, meanings).into_values().collect(),
-            Location::Nodes(points) => points.ends.clone(),
-        };
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
+        match &self.location {
+            Location::Vessels(meanings) => distinct(outermost_ends(network, meanings).into_values()),
+            Location::Nodes(points) => distinct(points.ends.iter().copied()),
+        }
     }
 }
 
@@ -229,9 +226,7 @@ fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, NearestNode)>) -> Opti
 
 /// For every artery that enters or leaves the circle, its free end farthest from the mean position of all arteries.
 fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, usize> {
-    let middles = mean_positions(network, meanings);
-    let count = middles.len().max(1) as f64;
-    let centre: Point = std::array::from_fn(|axis| middles.values().map(|p| p[axis]).sum::<f64>() / count);
+    let centre = centroid(mean_positions(network, meanings).into_values());
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
     for (row, meaning) in meanings.iter().enumerate() {
@@ -252,15 +247,13 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
 
 /// The mean position of the ends of the vessels of every artery, m.
 fn mean_positions(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, Point> {
-    let mut sums: BTreeMap<Artery, (Point, f64)> = BTreeMap::new();
+    let mut ends: BTreeMap<Artery, Vec<Point>> = BTreeMap::new();
     for (row, meaning) in meanings.iter().enumerate() {
         let LabelMeaning::Artery(artery) = meaning else { continue };
-        for p in network.ends(row).into_iter().filter_map(|node| network.node(node).position) {
-            let (sum, count) = sums.entry(*artery).or_default();
-            (*sum, *count) = ([sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]], *count + 1.0);
-        }
+        let placed = network.ends(row).into_iter().filter_map(|node| network.node(node).position);
+        placed.for_each(|position| ends.entry(*artery).or_default().push(position));
     }
-    sums.into_iter().map(|(artery, (sum, count))| (artery, sum.map(|x| x / count))).collect()
+    ends.into_iter().map(|(artery, ends)| (artery, centroid(ends))).collect()
 }
 
 /// The arteries that lie aside of the midline, so that one alone shows its side.
@@ -298,8 +291,7 @@ fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> (Vec<Artery>, &'static str
             _ => {}
         }
     }
-    wrong.sort_unstable();
-    (wrong, held_against)
+    (distinct(wrong), held_against)
 }
 
 const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";

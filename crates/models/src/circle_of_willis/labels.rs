@@ -6,8 +6,9 @@ use BodySide::{Left, Right};
 
 use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
-use willis_core::network::path_places::{PathPlace, divided};
+use willis_core::network::path_places::PathPlace;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel, centerlines::Centerlines};
+use willis_core::support::distinct;
 use willis_io::formats::ICAFE_ARTERIES;
 
 /// The network with every vessel split where the labels of its centerline change. A junction that lost a branch (carotid and M1
@@ -34,18 +35,12 @@ pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: R
             split.add_vessel(ends, vessel.clone());
             continue;
         }
-        let pieces = divided(&vessel.path, cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 }));
-        let mut from = ends[0];
-        for (at, (piece, first)) in pieces.into_iter().zip([0].iter().chain(&cuts)).enumerate() {
-            let last = piece[piece.len() - 1];
-            let to = if at == cuts.len() {
-                ends[1]
-            } else {
-                let id = last.id.map_or_else(String::new, |id| id.to_string());
-                split.add_node(Node { id, position: Some(last.position), radius: Some(last.radius), ..Node::default() })
-            };
-            split.add_vessel([from, to], Vessel { label: names[*first].to_owned(), ..Vessel::along(piece, rule) });
-            from = to;
+        let places = cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 });
+        let parts = vessel.parts(ends, &vessel.path, places, rule, |_, at| {
+            split.add_node(Node::at(at.id.map_or_else(String::new, |id| id.to_string()), at))
+        });
+        for ((ends, part), first) in parts.into_iter().zip([0].iter().chain(&cuts)) {
+            split.add_vessel(ends, Vessel { label: names[*first].to_owned(), ..part });
         }
     }
     split
@@ -281,9 +276,7 @@ fn artery_of_part(part: &str, whole: &[&str]) -> Option<Artery> {
     let named = |text: &str| artery_of_label(text, LabelScheme::Names);
     let plain: Vec<&str> = words_of(part).filter(|word| side_of(word).is_none() && !FORKS.contains(word)).collect();
     let plain = plain.join(" ");
-    let mut sides: Vec<BodySide> = whole.iter().filter_map(|word| side_of(word)).collect();
-    sides.sort_unstable();
-    sides.dedup();
+    let sides = distinct(whole.iter().filter_map(|word| side_of(word)));
     let with_side = || match sides[..] {
         [side] => named(&format!("{} {plain}", side.name())),
         _ => None,
@@ -295,10 +288,8 @@ fn words_of(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty())
 }
 
-fn met(mut arteries: Vec<Artery>) -> MeantArteries {
-    arteries.sort_unstable();
-    arteries.dedup();
-    (arteries, true)
+fn met(arteries: Vec<Artery>) -> MeantArteries {
+    (distinct(arteries), true)
 }
 
 /// The arteries that meet where one divides.

@@ -5,7 +5,7 @@ use super::labels::{MeantArteries, meaning_of};
 use super::segments_by_landmarks::Points;
 use willis_core::error::{Fault, Place};
 use willis_core::network::{Frame, NearestNode, Network, Origin, REACH, nearest_node, units::millimetres};
-use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
+use willis_core::support::geometry::{Point, onto};
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{LandmarkList, ListedLandmark};
 
@@ -290,13 +290,7 @@ pub(crate) fn distance_to_lines(network: &Network, at: Point) -> f64 {
     let of = |(ends, vessel): ([usize; 2], &willis_core::network::Vessel)| {
         let points: Vec<Point> =
             if vessel.path.is_empty() { straight(ends) } else { vessel.path.iter().map(|p| p.position).collect() };
-        points.windows(2).map(|pair| to_segment(pair[0], pair[1], at)).fold(f64::INFINITY, f64::min)
+        points.windows(2).map(|pair| onto(at, pair[0], pair[1]).1).fold(f64::INFINITY, f64::min)
     };
     network.vessels().map(of).fold(f64::INFINITY, f64::min)
-}
-
-fn to_segment(a: Point, b: Point, at: Point) -> f64 {
-    let (along, square) = (sub(b, a), norm_squared(sub(b, a)));
-    let share = if square > 0.0 { (dot(sub(at, a), along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    distance(lerp(a, b, share), at)
 }

@@ -11,7 +11,7 @@ use petgraph::{graph::NodeIndex, visit::EdgeRef};
 
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES, Variant};
 use willis_core::network::{Network, paths::ShortestPaths, walks::Walk};
-use willis_core::support::{numbered::marked, statistics::quantile};
+use willis_core::support::statistics::quantile;
 
 /// The meaning of a vessel's label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -91,7 +91,7 @@ pub(crate) fn artery_vessels(meanings: &[LabelMeaning], network: &Network) -> Ar
 }
 
 impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
-    fn nodes(&self, which: impl Fn(Set) -> bool) -> Marks {
+    fn nodes(&self, which: impl Fn(Set) -> bool) -> Vec<bool> {
         self.at_node.iter().map(|touch| which(*touch)).collect()
     }
 
@@ -227,19 +227,11 @@ fn lower_quartile(network: &Network, vessels: &[usize]) -> Option<f64> {
     quantile(&radii, 0.25)
 }
 
-/// A set of nodes as flags by row.
-pub(crate) type Marks = Vec<bool>;
-
-/// The flags of a set of nodes.
-pub(crate) fn marks(network: &Network, nodes: impl IntoIterator<Item = usize>) -> Marks {
-    marked(network.node_count(), nodes)
-}
-
 /// The shortest path by length from any node of `from` to any of `to` over the vessels that `is_open` selects, through nodes of `avoid` only
 /// at its ends. A node of both sets is a path without vessels. Paths longer than `most` (m) do not count.
 pub(crate) fn shortest(
     network: &Network,
-    [from, to, avoid]: [&Marks; 3],
+    [from, to, avoid]: [&[bool]; 3],
     is_open: impl Fn(usize) -> bool,
     most: f64,
 ) -> Option<Walk> {

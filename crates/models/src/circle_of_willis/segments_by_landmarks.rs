@@ -7,8 +7,9 @@
 use petgraph::{graph::NodeIndex, visit::EdgeRef};
 
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, Variant};
-use super::segments_by_labels::{Marks, is_wider, marks, shortest};
+use super::segments_by_labels::{is_wider, shortest};
 use willis_core::network::{Network, walks::Walk};
+use willis_core::support::{distinct, numbered::marked};
 
 /// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;
@@ -77,7 +78,7 @@ impl Points {
     /// The vessels that may lie between landmarks: all but the trees behind a node, which no path from one landmark to another enters.
     pub fn between(&self, network: &Network) -> Vec<bool> {
         let graph = network.graph();
-        let stays = marks(network, self.nodes());
+        let stays = marked(network.node_count(), self.nodes());
         let mut left: Vec<usize> = graph.node_indices().map(|node| graph.edges(node).count()).collect();
         let mut between = vec![true; network.vessel_count()];
         let mut open: Vec<usize> = (0..left.len()).filter(|node| left[*node] == 1 && !stays[*node]).collect();
@@ -113,8 +114,8 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Walk> {
-        let set = |nodes: &[usize]| marks(self.network, nodes.iter().copied());
-        let avoid: Marks = marks(self.network, avoid.iter().flat_map(|nodes| nodes.iter().copied()));
+        let set = |nodes: &[usize]| marked(self.network.node_count(), nodes.iter().copied());
+        let avoid = marked(self.network.node_count(), avoid.iter().flat_map(|nodes| nodes.iter().copied()));
         shortest(self.network, [&set(from), &set(to), &avoid], |vessel| self.may_pass(vessel), f64::INFINITY)
     }
 
@@ -140,10 +141,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let other = find(second, &of_first);
         for (s, path) in [(first, &free[first]), (second, &other)] {
             let seen = points.ica[s].into_iter().chain(points.middle_outlets(s)).chain(points.carotid[s].iter().copied());
-            let mut nodes: Vec<usize> = path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen).collect();
-            nodes.sort_unstable();
-            nodes.dedup();
-            self.trunk[s] = nodes;
+            self.trunk[s] = distinct(path.iter().flat_map(|path| path.nodes.iter().copied()).chain(seen));
         }
         for s in [0, 1] {
             if ends(s).is_empty() {
@@ -205,7 +203,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let a1_proper = [0, 1]
             .map(|s| a1[s].as_ref().map(|path| beyond(path, acomm.as_ref().unwrap_or(&Walk::default()), points.anterior[s])));
         let acomm = acomm.map(|path| between(&path, &a1));
-        let blocked = marks(self.network, self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
+        let blocked = marked(self.network.node_count(), self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
             let path = match segment {
                 Artery::A1(side) => a1_proper[side.index()].as_ref(),
@@ -304,11 +302,11 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     /// Whether a second, short path leaves a segment and returns to it.
-    fn has_second_channel(&self, path: &Walk, blocked: &Marks) -> bool {
+    fn has_second_channel(&self, path: &Walk, blocked: &[bool]) -> bool {
         let off = |vessel: usize| self.may_pass(vessel) && !path.edges.contains(&vessel);
         (0..path.nodes.len().saturating_sub(1)).any(|at| {
-            let from = marks(self.network, [path.nodes[at]]);
-            let to = marks(self.network, path.nodes[at + 1..].iter().copied());
+            let from = marked(self.network.node_count(), [path.nodes[at]]);
+            let to = marked(self.network.node_count(), path.nodes[at + 1..].iter().copied());
             shortest(self.network, [&from, &to, blocked], off, LONGEST_CHANNEL).is_some()
         })
     }

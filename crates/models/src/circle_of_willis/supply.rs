@@ -5,7 +5,7 @@ use super::circle::Circle;
 use willis_core::flow::{Boundary, state::State};
 use willis_core::network::{Network, Role};
 use willis_core::simulation::{Change, Perturbation, rounding, simulate, transport::Transports};
-use willis_core::{error::Result, support::in_order};
+use willis_core::{error::Result, support::in_order, support::list_of, support::weighted_quantile};
 
 /// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;
@@ -69,12 +69,7 @@ pub fn supplies(
         let (network, arteries) = &circle.arteries_in(network, |row| kept[row]);
         let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
         let transport = Transports::of(network, boundary, &simulation).unperturbed;
-        let mut marks = vec![None; network.vessel_count()];
-        for (feeder, vessels) in arteries.feeders.iter().enumerate() {
-            for vessel in vessels {
-                marks[*vessel] = Some(feeder);
-            }
-        }
+        let marks = list_of(network.vessel_count(), &arteries.feeders);
         let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
         let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
         let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
@@ -142,17 +137,8 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
 
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
-    pub fn about_median(mut values: Vec<(f64, f64)>) -> Self {
-        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
-        values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let quantile = |share: f64| {
-            let mut below = 0.0;
-            let reached = values.iter().find(|(_, weight)| {
-                below += weight;
-                below >= share * total
-            });
-            reached.or(values.last()).map_or(f64::NAN, |(x, _)| *x)
-        };
+    pub fn about_median(values: Vec<(f64, f64)>) -> Self {
+        let quantile = |share| weighted_quantile(values.iter().copied(), share).unwrap_or(f64::NAN);
         Self { middle: quantile(0.5), interval: [quantile(TAIL), quantile(1.0 - TAIL)] }
     }
 

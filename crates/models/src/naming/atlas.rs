@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::algebra::{self, Symmetric, inverse};
 use crate::circle_of_willis::{Artery, AtlasArtery, BodySide, IN_ATLAS};
-use willis_core::support::geometry::Point;
+use willis_core::support::{distinct, geometry::Point};
 
 /// Where a state lies and how it looks, in the frame of the atlas: mm, RAS, about the middle between the carotid bifurcations.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -195,9 +195,7 @@ fn matrix_product(a: &[f64], b: &[f64]) -> Vec<f64> {
 impl Bifurcations {
     fn of(tables: &StateTables, seen: &[(StatesOfArms, f64)], prior: &[f64]) -> Self {
         let labels = |arms: &[AtlasState; 3]| arms.map(|state| tables.label[state]);
-        let mut kinds: Vec<[usize; 3]> = seen.iter().map(|((arms, _), _)| labels(arms)).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
+        let kinds = distinct(seen.iter().map(|((arms, _), _)| labels(arms)));
         let n = kinds.len();
         // Half a bifurcation of each kind more than was seen.
         let mut probability = vec![0.5; n];

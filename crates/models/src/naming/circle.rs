@@ -19,7 +19,7 @@ use willis_core::error::{Fault, Place};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Frame, Network};
 use willis_core::sampling::SamplingOptions;
-use willis_core::support::geometry::{Point, distance, dot, lerp, sub};
+use willis_core::support::geometry::{Point, distance, dot, lerp, sub, weighted_centroid};
 use willis_core::support::{numbered::marked, statistics::sigmoid};
 use willis_io::formats::{ListedLandmark, SURE};
 
@@ -171,13 +171,8 @@ impl Names {
     pub fn is_mirrored(&self, places: &[(BodySide, Point)]) -> bool {
         let middle_of = |side: BodySide| {
             let is_own = |label: &ArteryLabel| artery_of(*label).and_then(Artery::side) == Some(side);
-            let (mut sum, mut total) = ([0.0; 3], 0.0);
-            for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
-                let p: f64 = (0..LABELS).filter(is_own).map(|label| labels[label]).sum();
-                sum = [0, 1, 2].map(|k| sum[k] + p * at[k]);
-                total += p;
-            }
-            (total > 0.0).then(|| sum.map(|x| x / total))
+            let own = |labels: &[f64; LABELS]| (0..LABELS).filter(is_own).map(|label| labels[label]).sum::<f64>();
+            weighted_centroid(self.nodes.at.iter().zip(&self.labels).map(|(at, labels)| (*at, own(labels))))
         };
         let [Some(left), Some(right)] = BodySide::BOTH.map(middle_of) else { return false };
         let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));

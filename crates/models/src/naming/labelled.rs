@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::Names;
 use super::atlas::{ArteryLabel, OTHER, most_probable, name_of};
 use super::nodes::is_traced;
-use willis_core::network::path_places::{PathPlace, divided};
+use willis_core::network::path_places::PathPlace;
 use willis_core::network::walks::{edges_at, other};
 use willis_core::network::{Network, Node, Origin, RadiusRule, Vessel, units::metres};
 use willis_core::support::{
@@ -53,22 +53,15 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: Radi
         }
         let changes = runs[..runs.len() - 1].iter().map(|run| place_at(&arc, run.until));
         let changes = changes.map(|(point, share)| PathPlace { point, share });
-        let (mut from, last) = (ends[0], runs.len() - 1);
-        for (at, (piece, run)) in divided(&path, changes).into_iter().zip(&runs).enumerate() {
-            let to = if at == last {
-                ends[1]
-            } else {
-                let mut id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
-                while !taken.insert(id.clone()) {
-                    id.push('~');
-                }
-                let end = piece[piece.len() - 1];
-                nodes.push(Node { id, position: Some(end.position), radius: Some(end.radius), ..Node::default() });
-                nodes.len() - 1
-            };
-            pieces.push(Some(named([from, to], vessel.part(piece, whole, rule), Some(run))));
-            from = to;
-        }
+        let parts = vessel.parts(ends, &path, changes, rule, |_, at| {
+            let mut id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
+            while !taken.insert(id.clone()) {
+                id.push('~');
+            }
+            nodes.push(Node::at(id, at));
+            nodes.len() - 1
+        });
+        pieces.extend(parts.into_iter().zip(&runs).map(|((ends, part), run)| Some(named(ends, part, Some(run)))));
     }
     merge(&mut pieces, &nodes, own.len()..graph.node_count(), rule);
     let mut out = Network::new();

@@ -7,7 +7,7 @@ use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, 
 use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
 use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
 use super::nodes::Nodes;
-use willis_core::support::geometry::{Point, distance, dot, norm, sub};
+use willis_core::support::geometry::{Point, distance, dot, norm, sub, weighted_centroid};
 use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
 
 /// Nodes that serve the search.
@@ -68,9 +68,8 @@ impl Search<'_> {
         // Pieces of 8 mm serve a search among Gaussians that are wide.
         let coarse: Vec<AtlasState> =
             all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
-        let nodes = 0..self.nodes.len();
-        let total: f64 = nodes.clone().map(|n| self.length(n)).sum::<f64>().max(1e-9);
-        let centre = [0, 1, 2].map(|k| nodes.clone().map(|n| self.nodes.at[n][k] * self.length(n)).sum::<f64>() / total);
+        let weighted = (0..self.nodes.len()).map(|n| (self.nodes.at[n], self.length(n)));
+        let centre = weighted_centroid(weighted).unwrap_or_default();
         let single = |states| Single::new(self, [&subset, states], SEARCH_RADIUS);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
@@ -180,8 +179,7 @@ impl Search<'_> {
         let scale = pose.log_scale.exp();
         let placed: Vec<Point> = subset.iter().map(|n| times(&pose.turn, self.nodes.at[*n]).map(|x| scale * x)).collect();
         let length: Vec<f64> = subset.iter().map(|n| self.length(*n)).collect();
-        let total: f64 = length.iter().sum::<f64>().max(1e-9);
-        let centre = [0, 1, 2].map(|k| placed.iter().zip(&length).map(|(p, w)| p[k] * w).sum::<f64>() / total);
+        let centre = weighted_centroid(placed.iter().copied().zip(length.iter().copied())).unwrap_or_default();
         let mut hessian = [[0.0; 7]; 7];
         let mut gradient = [0.0; 7];
         let mut counted = 0.0;

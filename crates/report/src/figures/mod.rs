@@ -79,11 +79,6 @@ pub fn colour(t: f64) -> Rgb {
     mixed(MAP[low], MAP[low + 1], share)
 }
 
-/// Sorts by a figure, the largest first; in single precision, so that rounding does not change the order of equal ones.
-pub fn largest_first<T>(items: &mut [T], figure: impl Fn(&T) -> f64) {
-    items.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
-}
-
 /// A mixture of two colours: `share` in [0, 1] of the second.
 pub fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
     std::array::from_fn(|c| (f64::from(a[c]) + share * (f64::from(b[c]) - f64::from(a[c]))).round() as u8)

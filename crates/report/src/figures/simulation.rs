@@ -5,7 +5,8 @@ use super::figure::Figure;
 use super::sheet::{
     Align, HAIR, LEGEND_AT, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, SMALL, Sheet, TEXT, TICK, fitting, room,
 };
-use super::{GRID, INK, PERTURBED, Rgb, UNPERTURBED, largest_first};
+use super::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use willis_core::support::ties::largest_first;
 use willis_io::output::names::{FLOW_PICTURE, TERRITORY_PICTURE, WAVEFORM_PICTURE};
 
 /// Width of a figure of bars, points.
@@ -59,8 +60,7 @@ impl VesselFlow {
 ///
 /// A flow is positive in its direction in the unperturbed network, so that only reversed flows lie left of zero.
 pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
-    let mut shown: Vec<&VesselFlow> = flows.iter().collect();
-    largest_first(&mut shown, |flow| flow.rank());
+    let mut shown = largest_first(flows, |flow| flow.rank());
     shown.truncate(MOST);
     let pair = flows.iter().any(|f| f.perturbed.is_some());
     let title = match (flows.len(), pair) {
@@ -134,8 +134,7 @@ pub struct OutletSupply {
 
 /// Draws the up to 40 outlets of largest flow, in the order given, 6.8 inches wide; `inlets` have names and colours.
 pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure {
-    let mut rows: Vec<usize> = (0..outlets.len()).collect();
-    largest_first(&mut rows, |row| outlets[*row].flow);
+    let mut rows = largest_first(0..outlets.len(), |row| outlets[*row].flow);
     rows.truncate(MOST);
     rows.sort_unstable();
     let shown: Vec<&OutletSupply> = rows.into_iter().map(|row| &outlets[row]).collect();
@@ -213,8 +212,8 @@ pub struct ArteryWaveform {
 
 /// Draws the flow of up to 24 arteries over a period of `period` s: named ones first, then those of the largest mean flow.
 pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
-    let mut rows: Vec<usize> = (0..arteries.len()).collect();
-    largest_first(&mut rows, |row| arteries[*row].states.iter().map(|(_, mean, _)| mean.abs()).fold(0.0, f64::max));
+    let mean_flow = |row: &usize| arteries[*row].states.iter().map(|(_, mean, _)| mean.abs()).fold(0.0, f64::max);
+    let mut rows = largest_first(0..arteries.len(), mean_flow);
     rows.sort_by_key(|row| !arteries[*row].is_named);
     rows.truncate(MOST_PANELS);
     rows.sort_unstable();

@@ -336,7 +336,7 @@ fn cycle(simulated: &SimulationRun<'_>, pulses: &Pulses, at: usize) -> Option<(P
     if network.vessel_count() * STOPS > MOST_FIGURES {
         return None;
     }
-    let shown = pulses.perturbed.as_ref().unwrap_or(&pulses.unperturbed);
+    let shown = pulses.both.perturbed.as_ref().unwrap_or(&pulses.both.unperturbed);
     let mut columns = vec![
         Column::whole("edge", 0..network.vessel_count()),
         Column::text("label", network.vessels().map(|(_, vessel)| vessel.label.clone())),
@@ -344,7 +344,7 @@ fn cycle(simulated: &SimulationRun<'_>, pulses: &Pulses, at: usize) -> Option<(P
     let name = |stop: usize| format!("{:.0} ms", milliseconds(shown.period * stop as f64 / STOPS as f64));
     let flows: Vec<Vec<f64>> = shown.vessels.iter().map(|vessel| flow_samples(&vessel.flow[1], STOPS)).collect();
     columns.extend((0..STOPS).map(|stop| Column::real(name(stop), flows.iter().map(|flow| flow[stop]))));
-    let title = if pulses.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
+    let title = if pulses.both.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
     let variants = (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect();
     let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", ColourScale::Linear, variants);
     Some((PageTable::new(title, columns, true), colouring))

@@ -102,8 +102,7 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
         text("inlet", &|(_, source)| end_name(network, *source)),
         text("inlet_id", &|(_, source)| network.node(*source).id.clone()),
     ];
-    let Simulation { unperturbed, perturbed } = &simulated.result;
-    for ((state, suffix), flows) in transports.states().zip(std::iter::once(unperturbed).chain(perturbed)) {
+    for ((state, suffix), (flows, _)) in transports.states().zip(simulated.result.states()) {
         let share = |(place, source): &(Drain, usize)| {
             let (blood, flow) = match place {
                 Drain::Vessel(row) => (state.of_vessel(*row), flows.vessels[*row].flow.abs()),
@@ -229,7 +228,7 @@ pub fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) ->
 /// What edges.csv gains: figures in the middle of every vessel.
 pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
     let mut columns = Vec::new();
-    for (pulse, suffix) in pulses.states() {
+    for (pulse, suffix) in pulses.both.states() {
         let period = pulse.period;
         let rows = 0..pulse.vessels.len();
         let flows: Vec<Indices> = rows.clone().map(|row| pulse.flow_indices(row)).collect();
@@ -281,7 +280,7 @@ fn shear(pulses: &Pulses, pulse: &Pulse, row: usize) -> [f64; 3] {
 /// What nodes.csv gains.
 pub fn pulse_node_columns(pulses: &Pulses) -> Vec<Column> {
     let mut columns = Vec::new();
-    for (pulse, suffix) in pulses.states() {
+    for (pulse, suffix) in pulses.both.states() {
         let found: Vec<Option<Indices>> = (0..pulse.pressure.len()).map(|node| pulse.node_indices(node)).collect();
         let mut push =
             |name: &str, of: &dyn Fn(&Indices) -> f64| columns.push(figure(name, suffix, &found, |p| p.as_ref().map(of)));
@@ -309,10 +308,10 @@ pub fn flow_samples(harmonics: &[Complex64], times: usize) -> Vec<f64> {
 /// The arrays of waveforms.npz: the times (s), and by vessel and time the pressure (mmHg) and the flow (mL/min) at its first end, in its
 /// middle and at its second end.
 pub fn waveform_arrays(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Vec<NamedArray> {
-    let (times, period) = (pulses.times, pulses.unperturbed.period);
+    let (times, period) = (pulses.times, pulses.both.unperturbed.period);
     let time = (0..times).map(|k| k as f64 * period / times as f64).collect();
     let mut arrays = vec![NamedArray { name: "time_s".into(), shape: vec![times], values: time }];
-    for (pulse, suffix) in pulses.states() {
+    for (pulse, suffix) in pulses.both.states() {
         let rows = pulse.vessels.len();
         let mut push = |name: &str, of: &dyn Fn(usize) -> Vec<f64>| {
             let values = (0..rows).flat_map(of).collect();
@@ -332,7 +331,7 @@ pub fn waveform_arrays(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Vec<Na
 /// The arrays of harmonics.npz, complex: by node P, and by vessel Pm, Qa, Qm and Qb.
 pub fn harmonics(pulses: &Pulses) -> Vec<NamedArray<Complex64>> {
     let mut arrays = Vec::new();
-    for (pulse, suffix) in pulses.states() {
+    for (pulse, suffix) in pulses.both.states() {
         let count = pulse.harmonics + 1;
         let undefined = vec![Complex64::new(f64::NAN, f64::NAN); count];
         let mut push = |name: &str, rows: usize, of: &dyn Fn(usize) -> Vec<Complex64>| {
@@ -350,14 +349,14 @@ pub fn harmonics(pulses: &Pulses) -> Vec<NamedArray<Complex64>> {
 
 /// The columns of waveforms.csv: a row for every vessel and time, in the middle of the vessel.
 pub fn waveform_columns(pulses: &Pulses) -> Vec<Column> {
-    let (times, period) = (pulses.times, pulses.unperturbed.period);
-    let rows = pulses.unperturbed.vessels.len();
+    let (times, period) = (pulses.times, pulses.both.unperturbed.period);
+    let rows = pulses.both.unperturbed.vessels.len();
     let cells = || (0..rows).flat_map(|row| (0..times).map(move |at| (row, at)));
     let mut columns = vec![
         Column::real("time_s", cells().map(|(_, at)| at as f64 * period / times as f64)),
         Column::whole("edge", cells().map(|(row, _)| row)),
     ];
-    for (pulse, suffix) in pulses.states() {
+    for (pulse, suffix) in pulses.both.states() {
         let mut push = |name: &str, all: Vec<Vec<f64>>| {
             columns.push(Column::real(format!("{name}{suffix}"), cells().map(|(row, at)| all[row][at])));
         };
@@ -377,9 +376,9 @@ pub fn waveform_picture(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Figur
             let flow = flow_samples(&pulse.vessels[row].flow[1], pulses.times);
             (flow, ml_per_min(found.mean), found.pulsatility)
         };
-        let (name, states) = (names[row].clone(), pulses.states().map(state).collect());
+        let (name, states) = (names[row].clone(), pulses.both.states().map(state).collect());
         ArteryWaveform { name, is_named: !network.vessel(row).label.is_empty(), states }
     };
     let arteries: Vec<ArteryWaveform> = (0..network.vessel_count()).map(artery).collect();
-    waveform_panels(&arteries, pulses.unperturbed.period)
+    waveform_panels(&arteries, pulses.both.unperturbed.period)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cases::{LabelledCase, LabelledNodes};
-use willis_core::support::geometry::{Point, centroid, sub};
+use willis_core::support::geometry::{Point, centroid, sub, weighted_centroid};
 use willis_models::circle_of_willis::{Artery, BodySide};
 use willis_models::naming::algebra::{outer, rotation, turned};
 use willis_models::naming::atlas::{
@@ -72,8 +72,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
     }
     let mean_of = |one: &Posed| {
         let nodes = &one.truth.nodes;
-        let total = nodes.length();
-        [0, 1, 2].map(|k| (0..nodes.len()).map(|n| one.pose.apply(nodes.at[n])[k] * nodes.weight[n]).sum::<f64>() / total)
+        weighted_centroid((0..nodes.len()).map(|n| (one.pose.apply(nodes.at[n]), nodes.weight[n]))).unwrap_or_default()
     };
     data.centroid = centroid(posed.iter().map(mean_of));
     // Mirror images were counted too, so that the middle lies in the middle.

@@ -13,7 +13,7 @@ use crate::minimise::{RegressionRow, logistic};
 use atlas::fit_atlas;
 use willis_core::error::{Error, Result};
 use willis_core::sampling::SamplingOptions;
-use willis_core::support::{in_order, model_provenance::ModelProvenance};
+use willis_core::support::{distinct, in_order, model_provenance::ModelProvenance};
 use willis_models::candidates::{CandidateOptions, build_with_evidence, model::Weights};
 use willis_models::naming::atlas::{LABELS, OTHER, as_one_with_m1, most_probable};
 use willis_models::naming::model::{Logistic, logistic_probability};
@@ -40,7 +40,7 @@ struct NamedCase<'a> {
 ///
 /// Fewer than three subjects, or fewer than two folds; no whole tracing; no broken one.
 pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(&str)) -> Result<Vec<NamingModel>> {
-    let subjects: Vec<&str> = cases.iter().map(|c| c.subject.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
+    let subjects = distinct(cases.iter().map(|c| c.subject.as_str()));
     check(cases, subjects.len(), folds)?;
     // The last model holds nobody out.
     let all = folds;

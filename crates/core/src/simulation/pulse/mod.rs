@@ -15,6 +15,7 @@ use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
+use super::BothStates;
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, state::State};
 use crate::network::{Condition, Network, waveform::Quantity};
@@ -61,10 +62,8 @@ pub struct Pulse {
 /// The pulse of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pulses {
-    /// In the network as it is.
-    pub unperturbed: Pulse,
-    /// With its changes, if there are any.
-    pub perturbed: Option<Pulse>,
+    /// In the network as it is, and with its changes.
+    pub both: BothStates<Pulse>,
     /// Blood.
     pub fluid: Fluid,
     /// The phase of what drives the first inlet ([`Indices::phase`]), from which delays are taken, s.
@@ -247,11 +246,6 @@ impl<'a> System<'a> {
 const ROUNDING: f64 = 1e-9;
 
 impl Pulses {
-    /// Each state with how the names of its columns end.
-    pub fn states(&self) -> impl Iterator<Item = (&Pulse, &'static str)> {
-        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, super::PERTURBED)))
-    }
-
     /// A phase as the time behind that of the first inlet, s.
     pub fn delay(&self, phase: f64, period: f64) -> f64 {
         behind(phase, self.first_phase, period)

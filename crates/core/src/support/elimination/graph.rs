@@ -1,6 +1,6 @@
 //! A graph whose nodes are removed one after another; the neighbours of a removed node are joined to one another.
 
-use crate::support::grouped;
+use crate::support::{distinct, grouped};
 
 /// The graph of the nodes that remain.
 pub trait Remaining {
@@ -98,11 +98,8 @@ impl Lists {
     /// Links from a node to itself count for nothing.
     pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
         let links = links.iter().filter(|[a, b]| a != b);
-        let mut neighbours = grouped(nodes, links.flat_map(|[a, b]| [(*a, *b), (*b, *a)]));
-        for list in &mut neighbours {
-            list.sort_unstable();
-            list.dedup();
-        }
+        let neighbours = grouped(nodes, links.flat_map(|[a, b]| [(*a, *b), (*b, *a)]));
+        let neighbours: Vec<Vec<usize>> = neighbours.into_iter().map(distinct).collect();
         Self { removed: vec![false; nodes], degree: neighbours.iter().map(Vec::len).collect(), neighbours }
     }
 

@@ -7,7 +7,7 @@
 pub mod graph;
 pub mod order;
 
-use super::{grouped, marked, placed};
+use super::{distinct, grouped, marked, placed};
 
 pub use order::{Star, least_degree};
 
@@ -39,7 +39,7 @@ impl Elimination {
         let stars = least_degree(nodes, links, limit.min(MOST_INDEXED))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
-        Some(Self::of_stars(nodes, &filled.unwrap_or(stars), nodes))
+        Some(Self::of_stars(&filled.unwrap_or(stars), nodes))
     }
 
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
@@ -52,7 +52,7 @@ impl Elimination {
         let place = placed(nodes, core.iter().copied());
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
-        Some(Self::of_stars(nodes, &stars, eliminated))
+        Some(Self::of_stars(&stars, eliminated))
     }
 
     /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others
@@ -73,16 +73,9 @@ impl Elimination {
     }
 
     /// From the neighbours of each node at its elimination, all nodes in order; the first `eliminated` of them join theirs.
-    pub fn of_stars(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
-        let mut place = vec![NOWHERE; nodes];
-        for (at, star) in stars.iter().enumerate() {
-            place[star.center] = at as u32;
-        }
-        let rays = stars.iter().map(|star| {
-            let mut to: Vec<u32> = star.neighbours.iter().map(|node| place[*node]).collect();
-            to.sort_unstable();
-            to
-        });
+    pub fn of_stars(stars: &[Star], eliminated: usize) -> Self {
+        let place: Vec<u32> = placed(stars.len(), stars.iter().map(|star| star.center)).into_iter().map(|at| at as u32).collect();
+        let rays = stars.iter().map(|star| distinct(star.neighbours.iter().map(|node| place[*node])));
         let program = Self::of_rays(rays, eliminated);
         Self { place, ..program }
     }

@@ -7,6 +7,7 @@ use super::voxels::Voxels;
 use crate::formats::tables::reader::{counted, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
+use willis_core::support::distinct;
 
 /// Classes are numbered by one byte.
 pub(super) const MOST_SEGMENTS: usize = 255;
@@ -112,9 +113,7 @@ impl Layers {
     /// ones.
     fn segments(&self) -> Result<Vec<SlicerSegment>, Fault> {
         let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
-        let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
-        rows.sort_unstable();
-        rows.dedup();
+        let rows = distinct(self.keys.keys().filter_map(|key| number(key)));
         if rows.len() > MOST_SEGMENTS {
             return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
         }

@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::formats::{
     Centerlines, Fault, Frame, LengthUnit, Network, Point, ReadOptions, Scale, figures, is_radius, listed, stated_unit,
 };
+use willis_core::support::distinct;
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
@@ -166,8 +167,7 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     }
     if others.len() == markups.len() {
         let landmarks = if others.contains(&"Fiducial") { ", which are landmarks and no centerlines" } else { "" };
-        others.sort_unstable();
-        others.dedup();
+        let others = distinct(others);
         let found =
             if others.is_empty() { "no markups".into() } else { format!("markups of type {}{landmarks}", others.join(", ")) };
         return Err(Fault::file(found.escape_debug().to_string(), CURVES));

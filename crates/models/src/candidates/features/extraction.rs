@@ -6,6 +6,7 @@ use willis_core::error::{Error, Result};
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::network::{Network, Origin, PathPoint, Vessel, fragments, may_be_speck};
+use willis_core::support::distinct;
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_core::support::ties::steady;
 use willis_io::masks::ScanCenterlines;
@@ -154,7 +155,7 @@ impl Extraction {
             ends: Vec::new(),
             end_at: vec![None; place.len()],
             at_border: vec![false; place.len()],
-            inlets: inlets.iter().copied().collect::<std::collections::BTreeSet<_>>().into_iter().collect(),
+            inlets: distinct(inlets.iter().copied()),
             fragments: Vec::new(),
             longest: 0.0,
             widest_end: 0.0,

@@ -12,8 +12,9 @@ use crate::candidates::features::{
 };
 use crate::candidates::search::{EndCandidate, Pairs, PointIndex, rows_by_end, unordered};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
-use willis_core::support::geometry::{Point, distance, dot, norm_squared, straightest, sub, unit};
+use willis_core::support::geometry::{Point, centroid, distance, dot, norm_squared, straightest, sub, unit};
 use willis_core::support::in_order;
+use willis_core::support::normal_equations::{normal_equations, solve};
 use willis_core::support::statistics::{median, sigmoid};
 use willis_core::support::ties::steady;
 
@@ -545,7 +546,7 @@ fn slightly_smooth(position: &[Point]) -> Vec<Point> {
 fn line(points: &[Point], arc: &[f64]) -> (Point, f64) {
     let n = points.len() as f64;
     let middle = arc.iter().sum::<f64>() / n;
-    let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let mean = centroid(points.iter().copied());
     let mut v = [0.0; 3];
     for (p, s) in points.iter().zip(arc) {
         (0..3).for_each(|k| v[k] -= (s - middle) * (p[k] - mean[k]));
@@ -559,18 +560,9 @@ fn line(points: &[Point], arc: &[f64]) -> (Point, f64) {
 /// Slope at the beginning and half the second derivative of the parabola through points, by ridge regression.
 fn parabola(points: &[Point], arc: &[f64]) -> (Point, Point) {
     let most = arc[arc.len() - 1].max(f64::MIN_POSITIVE);
-    let rows: Vec<[f64; 3]> = arc.iter().map(|s| [1.0, s / most, (s / most).powi(2)]).collect();
-    let mut a = [[0.0; 3]; 3];
-    let mut b = [[0.0; 3]; 3];
-    for (row, p) in rows.iter().zip(points) {
-        for i in 0..3 {
-            for j in 0..3 {
-                a[i][j] += row[i] * row[j];
-                b[i][j] += row[i] * (p[j] - points[0][j]);
-            }
-        }
-    }
+    let rows = arc.iter().zip(points).map(|(s, p)| (1.0, [1.0, s / most, (s / most).powi(2)], sub(*p, points[0])));
+    let (mut a, b) = normal_equations(rows);
     a[2][2] += RIDGE * points.len() as f64;
-    let x = willis_core::support::normal_equations::solve(a, b, 3);
+    let x = solve(a, b, 3);
     (x[1].map(|x| x / most), x[2].map(|x| x / (most * most)))
 }

@@ -23,6 +23,7 @@ use super::search::{EndCandidate, Pairs, unordered};
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Edge, Forests, MOST_PAIRS, Marginals, arborescence, is_tangle, marginals};
 use willis_core::network::paths::{ShortestPaths, lengths_at};
+use willis_core::support::distinct;
 use willis_core::support::geometry::{centroid, distance, sub};
 use willis_core::support::numbered::marked;
 use willis_core::support::statistics::{median, sigmoid};
@@ -142,9 +143,7 @@ impl CandidateTable {
     /// pairs of fragments meet when they are eliminated one after another.
     pub fn new(extraction: &Extraction, found: &[EndCandidate]) -> Result<Self> {
         let across = || found.iter().filter(|candidate| !candidate.within);
-        let mut links: Vec<[usize; 2]> = across().map(|c| unordered(c.fragments(extraction))).collect();
-        links.sort_unstable();
-        links.dedup();
+        let links = distinct(across().map(|c| unordered(c.fragments(extraction))));
         let count = extraction.fragments.len();
         if is_tangle(count, &links) {
             let mut gaps: Vec<f64> = across().map(|c| c.gap(extraction)).collect();
@@ -280,8 +279,7 @@ pub fn closures(
             }
         }
     }
-    let mut rows: Vec<usize> = best.into_values().map(|(row, _)| row).collect();
-    rows.sort_unstable();
+    let rows = distinct(best.into_values().map(|(row, _)| row));
     rows.iter().map(|row| Closure { candidate: table.within[*row], features: features(&measured[*row], score[*row]) }).collect()
 }
 
