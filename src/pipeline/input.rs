@@ -156,7 +156,8 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     let is_fragments = !is_graph || options.observed;
     let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
     let undivided = None;
-    let mut input = Input { network, contents, format, is_fragments, provenance, options, run, started, lines, undivided, lumen, is_topcow };
+    let mut input =
+        Input { network, contents, format, is_fragments, provenance, options, run, started, lines, undivided, lumen, is_topcow };
     if input.lines.as_ref().is_some_and(name_arteries) {
         let divided = input.divided_by_labels();
         input.undivided = Some(std::mem::replace(&mut input.network, divided));
@@ -279,17 +280,23 @@ impl Input {
         circle.map_or_else(Vec::new, |(circle, _)| circle.labelled_inlets(network))
     }
 
-    /// The same with the vessels among which arteries are found: whatever labels change along them, divided; otherwise as they branch.
+    /// The same with the vessels among which candidates are built: where arteries are found by labels, divided where these change, otherwise as
+    /// they branch.
     #[must_use]
-    pub(crate) fn for_arteries(mut self, source: &ArterySource) -> Self {
-        if matches!(source, ArterySource::AnyLabels | ArterySource::Labels(_)) && self.is_fragments {
+    pub(crate) fn for_arteries(mut self, source: Option<&ArterySource>) -> Self {
+        if matches!(source, Some(ArterySource::AnyLabels | ArterySource::Labels(_))) && self.is_fragments {
             let divided = self.divided_by_labels();
             let before = std::mem::replace(&mut self.network, divided);
             self.undivided.get_or_insert(before);
-        } else if let Some(undivided) = self.undivided.take() {
-            self.network = undivided;
+        } else if let Some(undivided) = &self.undivided {
+            self.network = undivided.clone();
         }
         self
+    }
+
+    /// The centerlines whose labels divide vessels.
+    pub(crate) fn named_lines(&self) -> Option<Centerlines> {
+        self.undivided.as_ref().and(self.lines.clone())
     }
 
     /// The vessels as they branch, whatever their labels.

@@ -8,10 +8,13 @@ use serde::{Deserialize, Serialize};
 use super::{Follow, ModelSource, SourceFile, Step, of_word, require, source_file::ending};
 use crate::{CandidateOptions, Error, Keep, Network, ReadOptions, Result};
 use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
-use willis_core::{flow::Given, network::Origin, network::Role, support::suggestions::did_you_mean};
+use willis_core::{
+    flow::Given, network::Origin, network::Role, network::centerlines::Centerlines, support::suggestions::did_you_mean,
+};
 use willis_io::formats::{read_mask, read_prior_csv, read_prior_npy};
 use willis_io::masks::{Field, Foreground, Scene, View};
 use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
+use willis_models::circle_of_willis::split_where_labels_change;
 use willis_models::contacts::split::{SuggestedCut, suggested_cuts};
 use willis_models::{
     candidates::joins::model::JoinModel, candidates::model::Weights, candidates::resample::CenterlineKind,
@@ -155,11 +158,12 @@ impl LoadedPrior {
         if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
-    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior;
-    /// without `building` the network stays as it is. The image as it was measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
+    /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, vessels are divided where the names
+    /// along their lines change, and every candidate gets its prior; without `building` the network stays as it is. The image as it was measured is told too, or why it says nothing; and what to tell a person where the model knows no such fragments.
     pub(crate) fn graph(
         &self,
         network: Network,
+        named_lines: Option<&Centerlines>,
         given: &[Given],
         building: Option<&CandidateOptions>,
         view: Option<View>,
@@ -180,6 +184,9 @@ impl LoadedPrior {
             }
             (_, Some(options)) => build(&network, options)?,
         };
+        if let (Some(lines), Some(options)) = (named_lines, building) {
+            graph = split_where_labels_change(&graph, lines, options.radius_rule);
+        }
         if let PriorModel::Table(bytes, path) = &self.model {
             let read = if ending(path) == "csv" { read_prior_csv } else { read_prior_npy };
             read(bytes, &mut graph).map_err(|fault| fault.in_file(path))?;

@@ -28,7 +28,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     options.validate()?;
     let inlets_by_labels = input.inlets_by_labels();
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
-    let input = source.iter().fold(input, Input::for_arteries);
+    let input = input.for_arteries(source.as_ref());
+    // What is found by labels is divided already, and what is found otherwise shows whether names and labels agree.
+    let named_lines = input.named_lines().filter(|_| source.is_none());
     let loaded = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
     let path = PathBuf::from(&input.provenance.input);
@@ -39,7 +41,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let early = EarlyArteries::find(&vessels, &path, &run, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
-    let (graph, looked, unlike) = loaded.prior.graph(vessels, &given, loaded.building.as_ref(), loaded.view)?;
+    let (graph, looked, unlike) =
+        loaded.prior.graph(vessels, named_lines.as_ref(), &given, loaded.building.as_ref(), loaded.view)?;
     // The image as it was measured, where it shows the vessels, and why it does not.
     let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
     if let Some(building) = &loaded.building {
@@ -161,7 +164,7 @@ impl EarlyArteries {
     fn by_geometry(vessels: &Network, path: &Path, run: &RunOptions, loaded: &Loaded) -> Result<Self> {
         let models = run.infer.phenotypes.models()?;
         let given = run.infer.boundary.given(vessels, &mut Silent)?;
-        let (graph, ..) = loaded.prior.graph(vessels.clone(), &given, loaded.building.as_ref(), None)?;
+        let (graph, ..) = loaded.prior.graph(vessels.clone(), None, &given, loaded.building.as_ref(), None)?;
         let names = models.name(&graph).ok_or_else(|| nothing_named(&graph).in_file(path))?;
         let found = arteries::by_geometry(path, vessels, Some(&names.bearings), &models)?;
         Ok(Self::Geometry(found, names.bearings))

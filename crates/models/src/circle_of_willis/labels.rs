@@ -9,30 +9,53 @@ use willis_core::error::Fault;
 use willis_core::network::path_places::PathPlace;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel, centerlines::Centerlines};
 use willis_core::support::distinct;
+use willis_core::support::geometry::{Point, onto};
 use willis_io::formats::ICAFE_ARTERIES;
 
 /// The network with every vessel split where the labels of its centerline change. A junction that lost a branch (carotid and M1
 /// without A1) is not a node, so that without the split the label of the longest piece would be that of the whole vessel.
 ///
-/// `lines` are the welded centerlines, in any unit, from which the network was contracted. The nodes keep their rows, and the new ones
-/// follow. Pieces stand in the place of their vessel.
+/// `lines` are the welded centerlines, in any unit, from which the network was contracted; vessels may have been divided since, at places
+/// without a number, and candidates added. The nodes keep their rows, and the new ones follow. Pieces stand in the place of their vessel.
 pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: RadiusRule) -> Network {
-    let mut name_of = HashMap::new();
+    let (mut name_of, mut beside) = (HashMap::new(), HashMap::<u64, Vec<u64>>::new());
     for (row, link) in lines.links.iter().enumerate() {
         let [a, b] = link.map(|point| lines.ids[point as usize]);
         name_of.insert((a.min(b), a.max(b)), lines.labels.of(row));
+        beside.entry(a).or_default().push(b);
+        beside.entry(b).or_default().push(a);
     }
-    let name = |pair: &[PathPoint]| {
-        let (a, b) = (pair[0].id?, pair[1].id?);
-        name_of.get(&(a.min(b), a.max(b))).copied()
+    let points = network.vessels().flat_map(|(_, vessel)| &vessel.path);
+    let place_of: HashMap<u64, Point> = points.filter_map(|point| Some((point.id?, point.position))).collect();
+    let name_between = |a: u64, b: u64| name_of.get(&(a.min(b), a.max(b))).copied();
+    // Where a vessel was divided: the name of the link of the point beside it on which it lies.
+    let name_towards = |a: u64, at: Point| {
+        let away = |b: &u64| place_of.get(b).map_or(f64::INFINITY, |to| onto(at, place_of[&a], *to).1);
+        let on = beside.get(&a)?.iter().min_by(|x, y| away(x).total_cmp(&away(y)))?;
+        name_between(a, *on)
+    };
+    let name = |pair: &[PathPoint]| match [pair[0].id, pair[1].id] {
+        [Some(a), Some(b)] => name_between(a, b),
+        [Some(a), None] => name_towards(a, pair[1].position),
+        [None, Some(b)] => name_towards(b, pair[0].position),
+        [None, None] => None,
     };
     let (mut split, _) = network.subgraph(|_| false);
     for (ends, vessel) in network.vessels() {
-        let names: Option<Vec<&str>> = vessel.path.windows(2).map(name).collect();
-        let names = names.unwrap_or_default();
+        let known: Vec<Option<&str>> = vessel.path.windows(2).map(name).collect();
+        // A part of one link between two such places has the name of what is beside it.
+        let mut last = known.iter().copied().flatten().next().unwrap_or(&vessel.label);
+        let mut names = Vec::with_capacity(known.len());
+        for name in known {
+            last = name.unwrap_or(last);
+            names.push(last);
+        }
         let cuts: Vec<usize> = (1..names.len()).filter(|at| names[*at] != names[at - 1]).collect();
         if cuts.is_empty() {
-            split.add_vessel(ends, vessel.clone());
+            split.add_vessel(
+                ends,
+                Vessel { label: names.first().map_or(&*vessel.label, |name| name).to_owned(), ..vessel.clone() },
+            );
             continue;
         }
         let places = cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 });
