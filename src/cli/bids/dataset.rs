@@ -3,6 +3,7 @@
 use std::{collections::BTreeSet, fs, path::Path, path::PathBuf};
 
 use crate::internals::formats::{Covariates, is_there, open_regular, read_participants, regular_bytes_of};
+use crate::internals::support::distinct;
 use crate::{Error, Result, cli::print::listed, error::Fault, internals::output::read_json, internals::pipeline::require_in};
 
 /// The file that describes a dataset.
@@ -344,10 +345,7 @@ pub fn check_labels(field: &str, asked: &[String], known: &BTreeSet<String>) -> 
 fn children(folder: &Path, prefix: &str) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().filter(|entry| entry.path().is_dir());
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let mut names: Vec<String> =
-        names.filter(|name| !name.starts_with('.') && name.strip_prefix(prefix).is_some_and(|rest| !rest.is_empty())).collect();
-    names.sort();
-    names
+    distinct(names.filter(|name| !name.starts_with('.') && name.strip_prefix(prefix).is_some_and(|rest| !rest.is_empty())))
 }
 
 /// The sessions in the folder of a participant, and none for images outside any.

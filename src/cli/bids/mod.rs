@@ -18,6 +18,7 @@ use crate::internals::formats::{Covariates, is_there};
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{StagedFolder, read_json, write_json};
 use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
+use crate::internals::support::distinct;
 use crate::{Result, error::Fault, internals::pipeline::require_in, internals::report::cohort::bids_columns};
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
@@ -124,8 +125,7 @@ impl BidsArgs {
         };
         let entries = fs::read_dir(derivative.runs()).into_iter().flatten().flatten().map(|entry| entry.path());
         let is_run = |path: &PathBuf| is_there(&path.join(RECORD)) || is_there(&path.join(FAILURE));
-        let mut folders: Vec<PathBuf> = entries.filter(is_run).collect();
-        folders.sort();
+        let mut folders = distinct(entries.filter(is_run));
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let known: Vec<(String, Option<String>)> = folders.iter().map(|path| of_run(&name_of(path))).collect();
         require_in(&self.output, !folders.is_empty(), "no run of a participant", "run the level participant first")?;

@@ -291,8 +291,7 @@ fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> (Vec<Artery>, &'static str
             _ => {}
         }
     }
-    wrong.sort_unstable();
-    (wrong, held_against)
+    (distinct(wrong), held_against)
 }
 
 const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";

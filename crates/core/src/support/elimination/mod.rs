@@ -7,7 +7,7 @@
 pub mod graph;
 pub mod order;
 
-use super::{grouped, marked, placed};
+use super::{distinct, grouped, marked, placed};
 
 pub use order::{Star, least_degree};
 
@@ -75,11 +75,7 @@ impl Elimination {
     /// From the neighbours of each node at its elimination, all nodes in order; the first `eliminated` of them join theirs.
     pub fn of_stars(stars: &[Star], eliminated: usize) -> Self {
         let place: Vec<u32> = placed(stars.len(), stars.iter().map(|star| star.center)).into_iter().map(|at| at as u32).collect();
-        let rays = stars.iter().map(|star| {
-            let mut to: Vec<u32> = star.neighbours.iter().map(|node| place[*node]).collect();
-            to.sort_unstable();
-            to
-        });
+        let rays = stars.iter().map(|star| distinct(star.neighbours.iter().map(|node| place[*node])));
         let program = Self::of_rays(rays, eliminated);
         Self { place, ..program }
     }

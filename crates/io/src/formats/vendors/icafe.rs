@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::input::{bytes_beside, content_beside, without_mark};
 use crate::formats::{Centerlines, Content, Fault, LengthUnit, Point, ReadOptions, Result, Scale, TableReader, read_swc};
+use willis_core::support::distinct;
 
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
@@ -102,9 +103,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         let slack = 2.0 * DIGITS * p[0].abs();
         let from = by_x.partition_point(|row| lines.points[*row][0] < p[0] - slack);
         let close = by_x[from..].iter().take_while(|row| lines.points[**row][0] <= p[0] + slack);
-        let mut rows: Vec<usize> =
-            close.copied().filter(|row| (0..3).all(|axis| near(lines.points[*row][axis], p[axis]))).collect();
-        rows.sort_unstable();
+        let mut rows = distinct(close.copied().filter(|row| (0..3).all(|axis| near(lines.points[*row][axis], p[axis]))));
         rows.truncate(MOST_IN_ONE_PLACE);
         rows
     };
@@ -194,8 +193,7 @@ pub(crate) fn find(tracing: &Path, name: &str) -> Option<PathBuf> {
 pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
-    found.sort();
+    let mut found = distinct(files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))));
     match found.len() {
         0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
         1 => Ok(found.remove(0)),

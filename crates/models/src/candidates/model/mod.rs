@@ -279,8 +279,7 @@ pub fn closures(
             }
         }
     }
-    let mut rows: Vec<usize> = best.into_values().map(|(row, _)| row).collect();
-    rows.sort_unstable();
+    let rows = distinct(best.into_values().map(|(row, _)| row));
     rows.iter().map(|row| Closure { candidate: table.within[*row], features: features(&measured[*row], score[*row]) }).collect()
 }
 

@@ -6,6 +6,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use willis_core::network::units::as_stored;
 use willis_core::network::{Network, Origin, Vessel};
+use willis_core::support::distinct;
 use willis_core::support::geometry::{Point, distance, dot, norm, norm_squared, sub};
 
 /// The nearest points, all at one distance.
@@ -101,8 +102,7 @@ impl PointIndex {
         };
         let distance = near.first().map_or(f64::INFINITY, |(distance, _)| *distance);
         let is_nearest = |hit: &&(f64, usize)| distance <= reach * (1.0 + 1e-9) && hit.0 <= distance * (1.0 + 1e-9);
-        let mut points: Vec<usize> = near.iter().filter(is_nearest).map(|(_, point)| *point).collect();
-        points.sort_unstable();
+        let points = distinct(near.iter().filter(is_nearest).map(|(_, point)| *point));
         let distance = if points.is_empty() { f64::INFINITY } else { distance };
         NearestPoints { distance, points }
     }
