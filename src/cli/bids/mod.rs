@@ -125,7 +125,7 @@ impl BidsArgs {
         };
         let entries = fs::read_dir(derivative.runs()).into_iter().flatten().flatten().map(|entry| entry.path());
         let is_run = |path: &PathBuf| is_there(&path.join(RECORD)) || is_there(&path.join(FAILURE));
-        let folders = distinct(entries.filter(is_run));
+        let mut folders = distinct(entries.filter(is_run));
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let known: Vec<(String, Option<String>)> = folders.iter().map(|path| of_run(&name_of(path))).collect();
         require_in(&self.output, !folders.is_empty(), "no run of a participant", "run the level participant first")?;
