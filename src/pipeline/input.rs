@@ -161,6 +161,9 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     if input.lines.as_ref().is_some_and(name_arteries) {
         let divided = input.divided_by_labels();
         input.undivided = Some(std::mem::replace(&mut input.network, divided));
+    } else if made.mixed_labels > 0 {
+        let vessels = plural(made.mixed_labels, "vessel");
+        input.provenance.notes.push(format!("{vessels} with more than one label along them: took that of the longest part"));
     }
     Ok(input)
 }

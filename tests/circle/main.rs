@@ -8,6 +8,7 @@ mod refused;
 mod classify;
 mod label;
 mod landmarks;
+mod named_stretches;
 mod phantom;
 mod phantom_large;
 mod phenotype;

@@ -331,3 +331,22 @@ fn two_readers_of_a_run_are_compared() {
         assert!(!here.join("bad").exists());
     }
 }
+
+/// What a contact hangs by is no share of its probability, and is read as it was written.
+#[test]
+fn an_unedited_graph_of_a_mask_gives_the_answer_of_the_mask() {
+    let here = folder();
+    let mask = data("scan.nii.gz");
+    let keep = ["--keep", "reconnect=0.5", "-n", "64", "-q"];
+    for arguments in [
+        &["candidates", &mask, "-o", "graph.graphml", "-q"][..],
+        &[&["infer", &mask, "-o", "mask"], &keep[..]].concat(),
+        &[&["infer", "graph.graphml", "-o", "graph"], &keep[..]].concat(),
+    ] {
+        let output = willis(here.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));
+    }
+    let edges = |run: &str| fs::read_to_string(here.path().join(run).join("edges.csv")).expect("read");
+    assert!(edges("mask").contains(",contact,"));
+    assert_eq!(edges("graph"), edges("mask"));
+}

@@ -25,6 +25,8 @@ pub struct BuiltNetwork {
     pub network: Network,
     /// The centerlines that it was made of, with coincident points merged.
     pub lines: Option<Centerlines>,
+    /// Vessels with more than one label along them; they have that of the longest part.
+    pub mixed_labels: usize,
     /// Notes for the user about how it was made, one line each.
     pub notes: Vec<String>,
 }
@@ -58,14 +60,13 @@ impl Content {
         let mut note = |count: usize, noun: &str, what: &str| notes.extend(super::tables::reader::counted(count, noun, what));
         let taken = default_radius.map_or(String::new(), |r| millimetres(r).to_string());
         let defaulted = format!("without any radius: took `default_radius`, {taken} mm");
-        let (mut network, lines) = match self {
+        let (mut network, lines, mixed_labels) = match self {
             Self::Centerlines(mut lines) => {
                 note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
                 let made = contract(&lines, rule, default_radius)?;
                 note(made.repaired_radii, "point", "without a positive finite radius: interpolated along the vessel");
-                note(made.mixed_labels, "vessel", "with more than one label along them: took that of the longest part");
                 note(made.default_radii, "vessel", &defaulted);
-                (made.network, Some(lines))
+                (made.network, Some(lines), made.mixed_labels)
             }
             Self::Vessels(mut network) | Self::Graph(mut network) => {
                 let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
@@ -75,14 +76,14 @@ impl Content {
                     network.vessel_mut(*row).radius = default_radius.ok_or_else(lacking)?;
                 }
                 note(without.len(), "vessel", &defaulted);
-                (network, None)
+                (network, None, 0)
             }
         };
         if network.vessel_count() == 0 {
             return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
         }
         network.shrink_to_fit();
-        Ok(BuiltNetwork { network, lines, notes })
+        Ok(BuiltNetwork { network, lines, mixed_labels, notes })
     }
 }
 
