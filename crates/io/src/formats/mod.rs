@@ -64,12 +64,7 @@ pub(crate) use options::stated_unit;
 pub(crate) use polylines::{cells, centerlines, parents_first, parts_of, steps_from_inlets};
 pub(crate) use tables::reader::{TableReader, counted, is_missing, listed, plural};
 pub(crate) use tables::write::{check_rows, figures, real};
-pub(crate) use willis_core::error::{Fault, Result};
+pub(crate) use willis_core::error::{Fault, Result, ensure};
 pub(crate) use willis_core::network::walks::{other_end, vessels_at};
 pub(crate) use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Node, PathPoint, Scale, is_radius, millimetres};
 pub(crate) use willis_core::support::geometry::{Point, box_diagonal, distance, dot, lerp, norm_squared, radius_of, sub};
-
-/// Goes on where something is as it has to be; else the fault.
-pub(crate) fn ensure(is_right: bool, fault: impl FnOnce() -> Fault) -> Result<(), Fault> {
-    if is_right { Ok(()) } else { Err(fault()) }
-}

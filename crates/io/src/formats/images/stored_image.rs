@@ -4,10 +4,12 @@ use std::io::{self, Read};
 use std::{cell::Cell, collections::BTreeMap, path::PathBuf};
 
 use super::voxels::Voxels;
-use crate::formats::tables::reader::{counted, plural};
+use crate::formats::{counted, ensure, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 
+/// What is accepted of an image with more axes than those of space.
+pub(super) const ONE_VOLUME: &str = "expected three dimensions; take one volume";
 /// Classes are numbered by one byte.
 pub(super) const MOST_SEGMENTS: usize = 255;
 
@@ -115,9 +117,8 @@ impl Layers {
         let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
         rows.sort_unstable();
         rows.dedup();
-        if rows.len() > MOST_SEGMENTS {
-            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
-        }
+        let many = || Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}"));
+        ensure(rows.len() <= MOST_SEGMENTS, many)?;
         let segment = |row: usize| {
             let text = |what: &str| self.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
             let wrong = |what: &str, text: &str, accepted: String| {

@@ -344,9 +344,8 @@ pub fn write_npz(out: impl Write + Seek, n: usize, entries: &[(u32, u32, f64)]) 
 /// A row or column that is not below n (`InvalidInput`), more cells than memory can address, or the writer's own.
 pub fn write_npy(mut out: impl Write, n: usize, entries: &[(u32, u32, f64)]) -> io::Result<()> {
     check(n, entries)?;
-    if n.checked_mul(n).and_then(|cells| cells.checked_mul(8)).is_none_or(|bytes| bytes > isize::MAX as usize) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{n} x {n} cells are too many")));
-    }
+    let fits = n.checked_mul(n).and_then(|cells| cells.checked_mul(8)).is_some_and(|bytes| isize::try_from(bytes).is_ok());
+    ensure(fits, || io::Error::new(io::ErrorKind::InvalidInput, format!("{n} x {n} cells are too many")))?;
     let mut matrix = Array2::<f64>::zeros((n, n));
     for (a, b, value) in entries {
         let (a, b) = (*a as usize, *b as usize);
@@ -386,8 +385,7 @@ pub fn write_arrays<T: WritableElement>(out: impl Write + Seek, all: impl IntoIt
 }
 
 fn check(n: usize, entries: &[(u32, u32, f64)]) -> io::Result<()> {
-    match entries.iter().find(|(a, b, _)| *a as usize >= n || *b as usize >= n) {
-        None => Ok(()),
-        Some((a, b, _)) => Err(io::Error::new(io::ErrorKind::InvalidInput, format!("entry ({a}, {b}) is outside {n} x {n}"))),
-    }
+    entries.iter().find(|(a, b, _)| *a as usize >= n || *b as usize >= n).map_or(Ok(()), |(a, b, _)| {
+        Err(io::Error::new(io::ErrorKind::InvalidInput, format!("entry ({a}, {b}) is outside {n} x {n}")))
+    })
 }
