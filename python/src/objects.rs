@@ -9,6 +9,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
+use willis::internals::formats::ANSWERS;
 use willis::internals::network::Edit;
 use willis::internals::output::StagedFolder;
 use willis::{
@@ -225,11 +226,7 @@ impl Run {
         input_sha256: &str,
     ) -> PyResult<Vec<(Option<usize>, String, String, [String; 3])>> {
         let (made, edits) = computed(py, || self.run.listed_decisions(&path, input_sha256))?;
-        let word = |accepted| match accepted {
-            Some(true) => "accept",
-            Some(false) => "reject",
-            None => "unsure",
-        };
+        let word = |accepted| ANSWERS.iter().find(|(answer, _)| *answer == accepted).map_or("", |(_, word)| *word);
         let made = made
             .into_iter()
             .map(|one| (Some(one.edge), word(one.accepted).to_owned(), String::new(), [one.who, one.when, one.comment]));

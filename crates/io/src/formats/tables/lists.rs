@@ -206,6 +206,9 @@ pub struct ConnectionDecision {
     pub comment: String,
 }
 
+/// The words for what a reader says of a connection.
+pub const ANSWERS: [(Option<bool>, &str); 3] = [(Some(true), "accept"), (Some(false), "reject"), (None, "unsure")];
+
 /// A decision in a list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListedDecision {
@@ -277,15 +280,9 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             let found = format!("edge \"{}\"", row.text(of_edge));
             Fault::line(line, found, "expected the row of a vessel in edges.csv, from 0")
         })?;
-        let accepted = match word {
-            "accept" => Some(true),
-            "reject" => Some(false),
-            "unsure" => None,
-            other => {
-                let found = format!("decision \"{other}\"");
-                return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
-            }
-        };
+        let accepted = "expected accept, reject, unsure, join, part or delete";
+        let other = || Fault::line(line, format!("decision \"{word}\""), accepted);
+        let (accepted, _) = ANSWERS.into_iter().find(|(_, answer)| *answer == word).ok_or_else(other)?;
         if let Some(first) = lines.insert(edge, line) {
             let found = format!("edge {edge} comes again, after line {first}");
             return Err(Fault::line(line, found, "expected one decision an edge"));
