@@ -157,7 +157,7 @@ impl Format {
             Self::SvZeroD => write_svzerod(out, network, setting)?,
             Self::OpenBf => written.inlets = write_openbf(out, network, setting)?,
             Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
-                return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
+                return Err(super::refused("it is only read"));
             }
         }
         Ok(())

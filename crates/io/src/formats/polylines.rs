@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::formats::{Centerlines, Frame, Network, Node, PathPoint, Point, distance, ensure, other_end, vessels_at};
+use crate::formats::{Centerlines, Frame, Network, Node, PathPoint, Point, distance, ensure, other_end, refused, vessels_at};
 use willis_core::network::{Origin, Role, Vessel};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
@@ -73,7 +73,7 @@ pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
 ///
 /// A node without position (`InvalidInput`).
 pub(crate) fn positions(network: &Network) -> io::Result<Vec<Point>> {
-    let missing = |node: &Node| io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
+    let missing = |node: &Node| refused(format!("node {} has no position", node.id));
     network.nodes().map(|node| node.position.ok_or_else(|| missing(node))).collect()
 }
 
@@ -139,7 +139,7 @@ pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
         let inner = line.len() - 2;
         let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
         let why = "has no points of its own between nodes that are one, or joined by another such vessel";
-        ensure(!void, || io::Error::new(io::ErrorKind::InvalidInput, format!("{} {why}", network.vessel_name(row))))?;
+        ensure(!void, || refused(format!("{} {why}", network.vessel_name(row))))?;
         out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
         out.vessel.resize(out.links.len(), row);
     }

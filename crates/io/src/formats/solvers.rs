@@ -7,7 +7,7 @@ use std::{f64::consts::PI, iter::successors};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Network, Node, ensure, find, other_end, plural, vessels_at};
+use crate::formats::{Network, Node, ensure, find, other_end, plural, refused, vessels_at};
 use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 use willis_core::support::numbered::{grouped, marked, placed};
@@ -131,7 +131,6 @@ impl<'a> Directed<'a> {
     ///
     /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
     fn of(network: &'a Network, setting: &'a SolverSetting) -> io::Result<Self> {
-        let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
         if let Some(row) = network.vessels().position(|(ends, _)| ends[0] == ends[1]) {
             return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
         }
@@ -143,7 +142,7 @@ impl<'a> Directed<'a> {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
         }
         let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
-        ensure(!inlets.is_empty(), || refused("no node states an inlet of a vessel; state conditions in the file".to_owned()))?;
+        ensure(!inlets.is_empty(), || refused("no node states an inlet of a vessel; state conditions in the file"))?;
         let mut turned = vec![None; network.vessel_count()];
         // A way may end where blood leaves, or on another way.
         let mut is_target: Vec<bool> = (0..network.node_count()).map(|node| at[node].len() == 1 && !enters(node)).collect();
@@ -269,15 +268,14 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 /// As [`write_svzerod`]; a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
 /// flow that is not zero (`InvalidInput`).
 pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
-    let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
     let begins = marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
     if let Some(row) = ends.unfed {
-        return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
+        return Err(refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row))));
     }
     if let Some(node) = (0..network.node_count()).find(|node| ends.at[*node].len() > MOST_JOINED) {
         let (id, count) = (&network.node(node).id, ends.at[node].len());
-        return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
+        return Err(refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}")));
     }
     let is_inlet = |node: usize| ends.at[node].len() == 1 && begins[node];
     let (first, inner): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| is_inlet(*node));
@@ -325,7 +323,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
             Some(Condition::Pressure(_) | Condition::Flow(_)) => {
                 let node = &network.node(*stops).id;
                 let known = "openBF has resistances, ground and closed ends";
-                return refused(format!("node {node} is an outlet of fixed pressure or flow; {known}"));
+                return Err(refused(format!("node {node} is an outlet of fixed pressure or flow; {known}")));
             }
         }
     }

@@ -9,8 +9,8 @@ use flate2::{Compression, read::MultiGzDecoder, write::GzEncoder};
 
 use super::voxels::{OpenedVoxels, Voxels, number_type};
 use crate::formats::binary::{NumberType, signed, word};
-use crate::formats::ensure;
 use crate::formats::input::is_gzip;
+use crate::formats::{ensure, refused};
 use crate::masks::{Affine, Image, Mask, steps_of};
 use willis_core::{error::Fault, network::Frame, support::geometry::norm};
 
@@ -135,9 +135,8 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     put(ONE.dim, &3_i16.to_le_bytes());
     for n in 0..7 {
         let length = shape.get(n).copied().unwrap_or(1);
-        let length = i16::try_from(length).map_err(|_| {
-            io::Error::new(io::ErrorKind::InvalidInput, format!("{length} voxels along an axis, more than 32767"))
-        })?;
+        let many = |_| refused(format!("{length} voxels along an axis, more than 32767"));
+        let length = i16::try_from(length).map_err(many)?;
         put(ONE.dim + 2 * (n + 1), &length.to_le_bytes());
     }
     put(ONE.datatype, &datatype.to_le_bytes());
