@@ -149,6 +149,11 @@ pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
+/// The same for work that may fail.
+pub fn computed<T: Send>(py: Python<'_>, work: impl FnOnce() -> willis::Result<T> + Send) -> PyResult<T> {
+    detached(py, work).map_err(|error| raised(py, &error))
+}
+
 /// So many threads from now on, where a call does not say otherwise.
 #[pyfunction]
 pub fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {

@@ -16,8 +16,7 @@ use willis::cli::words::arguments_in;
 use willis::internals::formats::convert::Target;
 use willis::internals::pipeline::write_target;
 
-use errors::raised;
-use interrupt::{Watch, detached, interruptible};
+use interrupt::{Watch, computed, interruptible};
 
 /// The command line: its words, the first being the name of the program; the exit status.
 #[pyfunction]
@@ -50,11 +49,10 @@ fn write(
     force: bool,
 ) -> PyResult<Vec<String>> {
     let network = &scan.input.network;
-    let written = detached(py, || {
+    let written = computed(py, || {
         let unfed = unfed.map(|word| word.parse::<Unfed>()).transpose()?;
         write_target(network, &Target::new(&path, to.as_deref())?.with_unfed(unfed), force)
-    });
-    let written = written.map_err(|e| raised(py, &e))?;
+    })?;
     let notes = written.notes.iter().map(|note| arguments_in(note));
     Ok(notes.chain(written.lost.into_iter().map(|lost| format!("lost: {lost}"))).collect())
 }

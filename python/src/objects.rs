@@ -9,6 +9,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
+use willis::internals::formats::ANSWERS;
 use willis::internals::network::Edit;
 use willis::internals::output::StagedFolder;
 use willis::{
@@ -17,7 +18,7 @@ use willis::{
 };
 
 use crate::errors::raised;
-use crate::interrupt::{Follower, Watch, detached, interruptible};
+use crate::interrupt::{Follower, Watch, computed, detached, interruptible};
 use crate::tables;
 
 type Said = Vec<(String, String)>;
@@ -185,17 +186,14 @@ impl Run {
 
     /// The columns of nodes.csv and of edges.csv.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
-        let [nodes, vessels] = detached(py, || self.run.tables()).map_err(|e| raised(py, &e))?;
-        Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
+        tables::pair(py, computed(py, || self.run.tables())?)
     }
 
     /// The upper triangle of the likelihood matrix: rows, columns, values.
     #[allow(clippy::type_complexity, reason = "it is what Python gets")]
     fn matrix<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>) {
         let cells = detached(py, || self.run.likelihood().matrix(self.run.graph()));
-        let rows: Vec<u32> = cells.iter().map(|cell| cell.0).collect();
-        let columns: Vec<u32> = cells.iter().map(|cell| cell.1).collect();
-        let values: Vec<f64> = cells.iter().map(|cell| cell.2).collect();
+        let (rows, columns, values): (Vec<u32>, Vec<u32>, Vec<f64>) = cells.into_iter().collect();
         (rows.into_pyarray(py), columns.into_pyarray(py), values.into_pyarray(py))
     }
 
@@ -227,13 +225,8 @@ impl Run {
         path: PathBuf,
         input_sha256: &str,
     ) -> PyResult<Vec<(Option<usize>, String, String, [String; 3])>> {
-        let found = detached(py, || self.run.listed_decisions(&path, input_sha256));
-        let (made, edits) = found.map_err(|e| raised(py, &e))?;
-        let word = |accepted| match accepted {
-            Some(true) => "accept",
-            Some(false) => "reject",
-            None => "unsure",
-        };
+        let (made, edits) = computed(py, || self.run.listed_decisions(&path, input_sha256))?;
+        let word = |accepted| ANSWERS.iter().find(|(answer, _)| *answer == accepted).map_or("", |(_, word)| *word);
         let made = made
             .into_iter()
             .map(|one| (Some(one.edge), word(one.accepted).to_owned(), String::new(), [one.who, one.when, one.comment]));
@@ -254,8 +247,7 @@ impl Run {
 
     /// The same samples decided on by another rule.
     fn decided_by(&self, py: Python<'_>, rule: &str) -> PyResult<Self> {
-        let decided = detached(py, || self.run.decided_by(rule.parse()?));
-        decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
+        computed(py, || self.run.decided_by(rule.parse()?)).map(|run| Self { run })
     }
 
     /// The run again with decisions of a person: the rows that were accepted and rejected, the edits as text, by whom, and when.
@@ -283,19 +275,17 @@ impl Run {
             Ok(GraphEdit { edit, who: who.into(), when: when.into(), comment: String::new(), line: 0 })
         };
         let edits = edits.into_iter().map(edit).collect::<Result<Vec<GraphEdit>>>().map_err(|e| raised(py, &e))?;
-        let decided = detached(py, || self.run.with_decisions(&made, &edits, &mut Silent));
-        decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
+        computed(py, || self.run.with_decisions(&made, &edits, &mut Silent)).map(|run| Self { run })
     }
 
     /// Writes the folder of the command; what a person should know.
     fn save(&self, py: Python<'_>, folder: PathBuf, dpi: u32) -> PyResult<Vec<String>> {
-        detached(py, || self.run.save(&folder, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
+        computed(py, || self.run.save(&folder, &SaveOptions { dpi }))
     }
 
     /// All that it takes to make it again.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = detached(py, || self.run.to_bytes()).map_err(|e| raised(py, &e))?;
-        Ok(PyBytes::new(py, &bytes))
+        Ok(PyBytes::new(py, &computed(py, || self.run.to_bytes())?))
     }
 }
 
@@ -325,26 +315,24 @@ fn owned(run: SimulationRun<'_>) -> SimulationRun<'static> {
 /// Solves the flow in a network by the words of the command.
 #[pyfunction]
 pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>) -> PyResult<Simulation> {
-    let made = detached(py, || {
+    let made = computed(py, || {
         let (options, changes) = words::simulate(scan.path(), &words)?;
         let changes: Vec<(&str, Change)> = changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
         willis::simulate(&scan.input, &changes, &options).map(owned)
     });
-    made.map(|run| Simulation { run }).map_err(|e| raised(py, &e))
+    made.map(|run| Simulation { run })
 }
 
 #[pymethods]
 impl Simulation {
     /// The columns of nodes.csv and of edges.csv.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
-        let [nodes, vessels] = detached(py, || self.run.tables());
-        Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
+        tables::pair(py, detached(py, || self.run.tables()))
     }
 
     /// The columns of territories.csv and of transit.csv, if the blood was followed.
     fn transport<'py>(&self, py: Python<'py>) -> PyResult<Option<[Bound<'py, PyDict>; 2]>> {
-        let Some([territories, transit]) = detached(py, || self.run.transport_tables()) else { return Ok(None) };
-        Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
+        detached(py, || self.run.transport_tables()).map(|columns| tables::pair(py, columns)).transpose()
     }
 
     /// The columns of occlusions.csv, if each vessel was closed in turn.
@@ -364,7 +352,7 @@ impl Simulation {
 
     /// Writes the folder of the command; what a person should know.
     fn save(&self, py: Python<'_>, folder: PathBuf, force: bool, dpi: u32) -> PyResult<Vec<String>> {
-        detached(py, || self.run.save(&folder, force, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
+        computed(py, || self.run.save(&folder, force, &SaveOptions { dpi }))
     }
 }
 

@@ -27,6 +27,11 @@ pub fn dict(py: Python<'_>, columns: Vec<Column>) -> PyResult<Bound<'_, PyDict>>
     Ok(out)
 }
 
+/// The same of two tables.
+pub fn pair(py: Python<'_>, [a, b]: [Vec<Column>; 2]) -> PyResult<[Bound<'_, PyDict>; 2]> {
+    Ok([dict(py, a)?, dict(py, b)?])
+}
+
 /// Arrays of any shape by name.
 pub fn arrays(py: Python<'_>, arrays: Vec<NamedArray>) -> PyResult<Bound<'_, PyDict>> {
     let out = PyDict::new(py);
@@ -38,8 +43,7 @@ pub fn arrays(py: Python<'_>, arrays: Vec<NamedArray>) -> PyResult<Bound<'_, PyD
 
 /// The columns of the nodes and of the vessels of a network.
 pub fn of_network<'py>(py: Python<'py>, network: &Network) -> PyResult<[Bound<'py, PyDict>; 2]> {
-    let (nodes, vessels) = detached(py, || graph_columns(network));
-    Ok([dict(py, nodes)?, dict(py, vessels)?])
+    pair(py, detached(py, || graph_columns(network)).into())
 }
 
 /// The two nodes of each vessel, and the points of all vessels one after another: their positions and radii, mm, and where each vessel

@@ -1,21 +1,13 @@
-//! Files that a run read beside its input, and the words that stand for such a file, as run.json names them; and how such a file, or a value, is refused.
+//! Files that a run read beside its input, and the words that stand for such a file, as run.json names them; and how such a file is refused.
 
-use std::{fmt::Display, path::Path, path::PathBuf};
+use std::{path::Path, path::PathBuf};
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned, de::IntoDeserializer, de::value::StrDeserializer};
 
-use crate::{Error, Result};
+use crate::Result;
 use willis_core::error::Fault;
+pub use willis_core::error::require;
 use willis_io::formats::{bytes_of, check_name, checksum};
-
-/// Refuses the value of a field, unless something holds.
-///
-/// # Errors
-///
-/// Names the field, its value and what is accepted.
-pub fn require(holds: bool, name: &str, value: impl Display, accepted: impl Into<String>) -> Result<()> {
-    if holds { Ok(()) } else { Err(Error::parameter(name, value, accepted)) }
-}
 
 /// Refuses a file or folder, unless something holds.
 ///

@@ -204,3 +204,21 @@ impl Error {
         matches!(self, Self::Input { .. } | Self::Parameter { .. } | Self::Read { .. } | Self::Exists { .. })
     }
 }
+
+/// Refuses the value of a field, unless something holds.
+///
+/// # Errors
+///
+/// Names the field, its value and what is accepted.
+pub fn require(holds: bool, name: &str, value: impl fmt::Display, accepted: impl Into<String>) -> Result<()> {
+    if holds { Ok(()) } else { Err(Error::parameter(name, value, accepted)) }
+}
+
+/// Goes on where something is as it has to be.
+///
+/// # Errors
+///
+/// The fault, where it is not.
+pub fn ensure<E>(is_right: bool, fault: impl FnOnce() -> E) -> Result<(), E> {
+    if is_right { Ok(()) } else { Err(fault()) }
+}

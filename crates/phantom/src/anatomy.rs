@@ -5,7 +5,7 @@ use std::{fmt, str::FromStr};
 use super::circle::{cerebral, circle_of_willis};
 use super::tree::{BranchingTree, arterial, branching_tree};
 use super::{EDGES, Large, capillary::capillary, extraction::Gaps, mask::Scan};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_core::network::{Network, metres, millimetres};
 use willis_core::support::suggestions::did_you_mean;
 
@@ -78,9 +78,8 @@ impl Anatomy {
     /// A field of the recipe out of its range; a number of vessels missing or refused.
     pub fn network(self, recipe: &Recipe) -> Result<Network> {
         let spacing = recipe.spacing.unwrap_or(SPACING);
-        if !(metres(0.01)..=metres(10.0)).contains(&spacing) {
-            return Err(Error::parameter("spacing", millimetres(spacing), "expected 0.01 to 10 mm"));
-        }
+        let is_usual = (metres(0.01)..=metres(10.0)).contains(&spacing);
+        require(is_usual, "spacing", millimetres(spacing), "expected 0.01 to 10 mm")?;
         let large = |edges| Large { edges, seed: recipe.seed, spacing: recipe.spacing };
         match (self, recipe.edges) {
             (Self::CircleOfWillis, None) => Ok(circle_of_willis(spacing)),

@@ -257,12 +257,10 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
         points: widest_vessels(&network),
         ..Truth::default()
     };
-    let (complete, mut graph) = (network.node_count(), Network::new());
+    let complete = network.node_count();
     let sampled: Vec<SampledVessel> = chosen.iter().map(|row| gaps.sampled(&network, *row, true)).collect();
     let (nodes, vessels) = network.into_parts();
-    for node in nodes {
-        graph.add_node(node);
-    }
+    let mut graph = Network::of(Frame::Unknown, nodes.collect(), Vec::new());
     let mut interrupted = chosen.into_iter().zip(sampled).peekable();
     for (row, (ends, vessel)) in vessels.enumerate() {
         let Some((_, sampled)) = interrupted.next_if(|(next, _)| *next == row) else {

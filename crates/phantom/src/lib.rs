@@ -16,7 +16,7 @@ mod tube;
 
 use std::fmt::Display;
 
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis_core::support::{Point, distance, lerp};
 
@@ -59,31 +59,24 @@ fn state(network: &mut Network, row: usize, role: Role, condition: Condition) {
 
 /// Refuses a value out of its range.
 fn check_range<T: PartialOrd + Display + Copy>(name: &str, value: T, least: T, most: T) -> Result<()> {
-    if least <= value && value <= most {
-        return Ok(());
-    }
-    Err(Error::parameter(name, value, format!("expected {least} to {most}")))
+    require(least <= value && value <= most, name, value, format!("expected {least} to {most}"))
 }
 
 /// Refuses a length (m) that is not positive.
 fn check_length(name: &str, value: f64) -> Result<()> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::parameter(name, value, "expected a positive length, m")) }
+    require(value.is_finite() && value > 0.0, name, value, "expected a positive length, m")
 }
 
 /// Refuses two values that are out of their range or not in order.
 fn check_pair<T: PartialOrd + Display + Copy>(name: &str, [low, high]: [T; 2], least: T, most: T) -> Result<()> {
-    if least <= low && low <= high && high <= most {
-        return Ok(());
-    }
-    Err(Error::parameter(name, format!("{low},{high}"), format!("expected {least} to {most}, the lesser first")))
+    let (given, accepted) = (format!("{low},{high}"), format!("expected {least} to {most}, the lesser first"));
+    require(least <= low && low <= high && high <= most, name, given, accepted)
 }
 
 /// Refuses a network with a node that has no position.
 fn check_positions(network: &Network) -> Result<()> {
-    match network.nodes().find(|node| node.position.is_none()) {
-        Some(node) => Err(Error::parameter("node", &node.id, "has no position; expected one for every node")),
-        None => Ok(()),
-    }
+    let refused = |node: &Node| Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
+    network.nodes().find(|node| node.position.is_none()).map_or(Ok(()), refused)
 }
 
 /// The least and the greatest number of vessels of a large phantom.

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 use super::interruptions::Stations;
 use super::tube::{DrawnTube, VoxelGrid, veins};
 use super::{check_positions, check_range, truth::MaskTruth};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::{Point, bounds, dot, gamma::Gamma, median, random, random::stream};
 use willis_io::masks::{Image, Mask};
@@ -107,9 +107,8 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     scan.map_or(Ok(()), Scan::validate)?;
     check_positions(network)?;
     let voxel = f64::from(millimetres(spacing) as f32);
-    if !(1e-4..=100.0).contains(&(voxel as f32)) {
-        return Err(Error::parameter("spacing", format!("{} mm", voxel as f32), "expected 0.0001 to 100 mm"));
-    }
+    let of_spacing = |holds: bool, accepted: &str| require(holds, "spacing", format!("{} mm", voxel as f32), accepted);
+    of_spacing((1e-4..=100.0).contains(&(voxel as f32)), "expected 0.0001 to 100 mm")?;
     check_steps(network, voxel)?;
     let mut tubes = DrawnTube::all(network, voxel);
     let is_clean = scan.is_none();
@@ -127,10 +126,7 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     } else {
         remove_small(&mut classes, &grid, scan.least_voxels);
     }
-    if !classes.contains(&1) {
-        let accepted = "leaves no vessel in the mask; expected less, for vessels so thin";
-        return Err(Error::parameter("spacing", format!("{} mm", voxel as f32), accepted));
-    }
+    of_spacing(classes.contains(&1), "leaves no vessel in the mask; expected less, for vessels so thin")?;
     let [x, y, z] = grid.origin;
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
     let mut mask = Mask::new(grid.shape, classes, affine);
@@ -169,9 +165,7 @@ fn grid_around(tubes: &[DrawnTube], voxel: f64) -> Result<VoxelGrid> {
         tube.stations.iter().flat_map(move |at| [at.map(|x| x - around), at.map(|x| x + around)])
     });
     let [low, high] = bounds(corners);
-    if low[0] > high[0] {
-        return Err(Error::parameter("network", "empty", "expected vessels to draw"));
-    }
+    require(low[0] <= high[0], "network", "empty", "expected vessels to draw")?;
     // As the file stores it, so that the truth is in the very frame of the mask.
     let origin = low.map(|x| f64::from(x as f32));
     let lengths = [0, 1, 2].map(|axis| ((high[axis] - origin[axis]) / voxel).ceil() + 1.0);

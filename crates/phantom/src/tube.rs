@@ -7,6 +7,7 @@ use rand_distr::{StandardNormal, UnitSphere};
 use super::damage::{SampledVessel, scattered};
 use willis_core::network::{Network, metres, millimetres};
 use willis_core::support::{Point, arc_lengths::arc_lengths, cross, distance, dot, lerp, norm_squared, sub, unit};
+use willis_io::masks::{indices_of, row_at};
 
 /// A vessel as stations along its centerline, mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,25 +94,24 @@ impl VoxelGrid {
 
     /// The indices of the voxel of a row.
     pub fn voxel(&self, row: usize) -> [usize; 3] {
-        let [x, y, _] = self.shape;
-        [row % x, row / x % y, row / (x * y)]
+        indices_of(self.shape, row)
     }
 
     /// The row of the voxel in which a place lies; outside the grid of the nearest.
     pub fn row(&self, place: Point) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| {
+        let nearest = |axis: usize| {
             let at = ((place[axis] - self.origin[axis]) / self.spacing).round();
             (at.max(0.0) as usize).min(self.shape[axis] - 1)
-        });
-        (z * self.shape[1] + y) * self.shape[0] + x
+        };
+        row_at(self.shape, [0, 1, 2].map(nearest))
     }
 
     /// The rows of the voxels that touch one by a face, an edge or a corner.
     pub fn neighbours(&self, row: usize) -> impl Iterator<Item = usize> {
-        let ([x, y, z], at) = (self.shape, self.voxel(row));
+        let (shape, at) = (self.shape, self.voxel(row));
         (0..27_usize).filter(|n| *n != 13).filter_map(move |n| {
             let to = [at[0] + n % 3, at[1] + n / 3 % 3, at[2] + n / 9].map(|index| index.wrapping_sub(1));
-            (to[0] < x && to[1] < y && to[2] < z).then(|| (to[2] * y + to[1]) * x + to[0])
+            (0..3).all(|axis| to[axis] < shape[axis]).then(|| row_at(shape, to))
         })
     }
 
@@ -127,7 +127,7 @@ impl VoxelGrid {
             let (along, length) = (unit(sub(ends[1], ends[0])), distance(ends[0], ends[1]));
             for z in low[2]..=high[2] {
                 for y in low[1]..=high[1] {
-                    let line = (z * self.shape[1] + y) * self.shape[0];
+                    let line = row_at(self.shape, [0, y, z]);
                     for x in low[0]..=high[0] {
                         let centre = self.position([x, y, z]);
                         let on = dot(sub(centre, ends[0]), along).clamp(0.0, length);

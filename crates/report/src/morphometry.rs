@@ -12,7 +12,7 @@ use willis_core::morphometry::columns::{IN_REGION, MeasuredColumn, OF_BIFURCATIO
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::{Network, Role};
 use willis_core::support::kappa::{CohenKappa, cohen_kappa};
-use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
+use willis_io::formats::{ANSWERS, Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 
 /// What was measured of a subject, and of which network.
@@ -175,9 +175,6 @@ pub struct ReadBy {
     /// What was said of it; may be empty.
     pub comment: String,
 }
-
-/// The answers that a reader may give.
-const ANSWERS: [(Option<bool>, &str); 3] = [(Some(true), "accept"), (Some(false), "reject"), (None, "unsure")];
 
 impl ReadBy {
     fn answer(&self) -> usize {

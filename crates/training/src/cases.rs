@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, fs};
 use super::contact_truth::ContactTruth;
 use super::example::{Case, Model};
 use super::known_connections::{KnownConnections, read_truth};
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::{Error, Fault, Result, require};
 use willis_core::network::{Network, RadiusRule, locate, units::millimetres};
 use willis_core::support::{geometry::distance, in_order};
 use willis_io::formats::tables::conditions::read_inlets;
@@ -71,10 +71,8 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
             folders.push(CaseFolder { case, path: path.to_owned(), truths, entries: entries.to_vec() });
             true
         })?;
-        if folders.len() == before {
-            let accepted = "expected folders with fragments.swc and truth.json or links.csv in it";
-            return Err(Error::parameter("CASES", format!("{}: no case", data_set.display()), accepted));
-        }
+        let accepted = "expected folders with fragments.swc and truth.json or links.csv in it";
+        require(folders.len() > before, "CASES", format!("{}: no case", data_set.display()), accepted)?;
         if unanswered > 0 {
             *found.notes.entry("fragments without an answer: left out".into()).or_default() += unanswered;
         }

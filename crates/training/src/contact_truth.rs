@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use willis_core::error::Fault;
+use willis_core::error::{Fault, ensure};
 use willis_core::network::{Network, Origin, PathPoint, units::metres};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
@@ -99,9 +99,8 @@ impl ContactTruth {
         const ACCEPTED: &str = "expected the truth of a skeleton, with nodes, stations, station_nodes and adjacent";
         let file: ContactTruthFile =
             serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
-        if file.voxel_mm <= 0.0 {
-            return Err(Fault::item("voxel_mm", file.voxel_mm.to_string(), "expected a positive number"));
-        }
+        let wrong = || Fault::item("voxel_mm", file.voxel_mm.to_string(), "expected a positive number");
+        ensure(file.voxel_mm > 0.0, wrong)?;
         let place = |what: &str, row: usize, at: &[f64]| match at {
             [x, y, z, ..] => Ok([*x, *y, *z].map(metres)),
             _ => Err(Fault::item(format!("{what} {row}"), format!("{at:?}"), "expected x, y, z in mm")),
@@ -118,20 +117,16 @@ impl ContactTruth {
         }
         let stations =
             file.stations.iter().enumerate().map(|(row, at)| place("station", row, at)).collect::<Result<Vec<_>, _>>()?;
-        if stations.len() < file.station_nodes.len() {
-            let found = format!("{} stations", stations.len());
-            return Err(Fault::item("station_nodes", found, format!("expected {}", file.station_nodes.len())));
-        }
+        let (found, listed) = (stations.len(), file.station_nodes.len());
+        let few = || Fault::item("station_nodes", format!("{found} stations"), format!("expected {listed}"));
+        ensure(found >= listed, few)?;
         let radius: Vec<f64> = file.stations.iter().map(|s| metres(s.get(3).copied().unwrap_or(0.0))).collect();
         let mut next = vec![Vec::new(); radius.len()];
         for (row, (a, b, mm, ..)) in file.adjacent.iter().enumerate() {
-            if *a.max(b) >= next.len() {
-                let accepted = format!("expected stations from 0 to {}", next.len().saturating_sub(1));
-                return Err(Fault::item(format!("adjacent {row}"), a.max(b).to_string(), accepted));
-            }
-            if *mm < 0.0 {
-                return Err(Fault::item(format!("adjacent {row}"), format!("{mm} mm"), "expected a length from 0 on"));
-            }
+            let fault = |found: String, accepted: String| Fault::item(format!("adjacent {row}"), found, accepted);
+            let accepted = || format!("expected stations from 0 to {}", next.len().saturating_sub(1));
+            ensure(*a.max(b) < next.len(), || fault(a.max(b).to_string(), accepted()))?;
+            ensure(*mm >= 0.0, || fault(format!("{mm} mm"), "expected a length from 0 on".to_owned()))?;
             next[*a].push((*b, metres(*mm)));
             next[*b].push((*a, metres(*mm)));
         }

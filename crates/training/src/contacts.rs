@@ -6,7 +6,7 @@ use ndarray::Array2;
 use super::boosting::boost;
 use super::example::{Case, Example, Model, TreeExample, binned, dealt, grouped, image_name, name_of, shown};
 use super::minimise::{calibrate_in_order, minimise};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Result, require};
 use willis_core::network::Origin;
 use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance};
 use willis_io::formats::{ReadOptions, read_mask};
@@ -140,10 +140,8 @@ fn views<'a>(examples: impl Iterator<Item = &'a ContactExample<'a>>, basis: Basi
 fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
     let views = views(examples.iter().copied(), basis);
     let (fold, subjects) = dealt(views.iter().map(|(e, _)| e.case.subject.as_str()), INNER);
-    if subjects < INNER {
-        let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
-        return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects), accepted));
-    }
+    let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
+    require(subjects >= INNER, "cases", format!("{} of {subjects} subjects", views.len()), accepted)?;
     let trees = fit_trees(&views)?;
     let (mut designs, mut unseen) = (Vec::new(), Vec::new());
     for held in 0..INNER {

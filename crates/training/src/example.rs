@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match, found, joiner};
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::{Fault, Result, require};
 use willis_core::support::{in_order, model_provenance::ModelProvenance};
 use willis_core::{forest_posterior::log_likelihood, network::Network};
 use willis_io::formats::{ReadOptions, read_image};
@@ -243,14 +243,11 @@ fn scores_of<'a, E: Example<'a>>(judged: &[(&E, E::Judged)]) -> Vec<E::Scores> {
 pub fn check_folds(cases: &[Case], folds: usize) -> Result<()> {
     let subjects: BTreeSet<&str> = cases.iter().map(|c| c.subject.as_str()).collect();
     let taken: BTreeSet<usize> = subjects.iter().map(|s| fold_of(s, folds)).collect();
-    if folds < 2 || taken.len() < folds {
-        let accepted = match subjects.len() {
-            n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
-            _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
-        };
-        return Err(Error::parameter("folds", folds, accepted));
-    }
-    Ok(())
+    let accepted = match subjects.len() {
+        n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
+        _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
+    };
+    require(folds >= 2 && taken.len() >= folds, "folds", folds, accepted)
 }
 
 /// Probabilities that leave doubt.

@@ -6,7 +6,7 @@ use ndarray::{Array2, ArrayView1};
 
 use super::example::{CandidateExample, Case, LEAST_LISTED, share_of};
 use super::minimise::{calibrate, logistic, minimise, spread};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Result, require};
 use willis_core::forest_posterior::{Forests, Marginals, arborescence, log_likelihood, marginals};
 use willis_core::support::{in_order, model_provenance::ModelProvenance};
 use willis_models::candidates::features::feedback_features;
@@ -44,17 +44,12 @@ impl TrainParams {
     ///
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        if !(0.0..=1e6).contains(&self.l2) {
-            return Err(Error::parameter("l2", self.l2, "expected a number from 0 to 1e6"));
-        }
-        if self.iterations.is_empty() || self.iterations.contains(&0) {
-            let accepted = "expected one pass at least, of one iteration at least";
-            return Err(Error::parameter("iterations", format!("{:?}", self.iterations), accepted));
-        }
-        if !(0.0..=1.0).contains(&self.without_inlets) {
-            return Err(Error::parameter("share without inlets", self.without_inlets, "expected a number from 0 to 1"));
-        }
-        Ok(())
+        require((0.0..=1e6).contains(&self.l2), "l2", self.l2, "expected a number from 0 to 1e6")?;
+        let accepted = "expected one pass at least, of one iteration at least";
+        let is_right = !self.iterations.is_empty() && !self.iterations.contains(&0);
+        require(is_right, "iterations", format!("{:?}", self.iterations), accepted)?;
+        let is_share = (0.0..=1.0).contains(&self.without_inlets);
+        require(is_share, "share without inlets", self.without_inlets, "expected a number from 0 to 1")
     }
 }
 
@@ -89,9 +84,8 @@ pub fn fit(
     progress: &mut dyn FnMut(&FittedPass),
 ) -> Result<Weights> {
     params.validate()?;
-    if !examples.iter().any(|e| e.allowed.contains(&true)) {
-        return Err(Error::parameter("cases", examples.len(), "expected one at least with a true connection within reach"));
-    }
+    let is_enough = examples.iter().any(|e| e.allowed.contains(&true));
+    require(is_enough, "cases", examples.len(), "expected one at least with a true connection within reach")?;
     let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.table.features)).collect();
     let mut posteriors: Vec<(Forests, Marginals)> = Vec::new();
     let mut passes: Vec<PassWeights> = Vec::new();

@@ -10,7 +10,7 @@ use super::example::{
 use super::known_connections::{KnownConnections, Match, found};
 use super::{boosting::boost, minimise::calibrate};
 use willis_core::decision::{BEST_FIRST, best_first};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Result, require};
 use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance, statistics::sigmoid};
 use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
 use willis_models::candidates::joins::{
@@ -88,10 +88,9 @@ impl<'a> TreeExample<'a> for JoinExample<'a> {
 
     fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<JoinModel> {
         let (inner, subjects) = dealt(examples.iter().map(|e| e.case.subject.as_str()), INNER);
-        if subjects < INNER || examples.iter().all(|e| e.reached() == 0) {
-            let accepted = format!("expected {INNER} subjects at least, with true connections within reach");
-            return Err(Error::parameter("cases", format!("{} of {} subjects", examples.len(), subjects), accepted));
-        }
+        let accepted = format!("expected {INNER} subjects at least, with true connections within reach");
+        let is_enough = subjects >= INNER && examples.iter().any(|e| e.reached() > 0);
+        require(is_enough, "cases", format!("{} of {subjects} subjects", examples.len()), accepted)?;
         let all: Vec<usize> = (0..examples.len()).collect();
         // The cases that are fitted to, and those that are held out.
         let parted = |held: usize| all.iter().copied().partition::<Vec<usize>, _>(|at| inner[*at] != held);

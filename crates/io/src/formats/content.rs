@@ -79,9 +79,8 @@ impl Content {
                 (network, None, 0)
             }
         };
-        if network.vessel_count() == 0 {
-            return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
-        }
+        let none = || Fault::file("no vessel", "expected centerlines with at least two linked points, or edges");
+        super::ensure(network.vessel_count() > 0, none)?;
         network.shrink_to_fit();
         Ok(BuiltNetwork { network, lines, mixed_labels, notes })
     }

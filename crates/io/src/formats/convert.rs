@@ -8,9 +8,9 @@ use super::known::Property::{
     self, Conditions, Figures, Frame, Ids, Labels, LoneNodes, Names, Paths, Radii, Resistances, Statements,
 };
 use super::polylines::{between, is_straight, node_points, polylines};
-use super::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
+use super::solvers::{enters, with_few_at_a_node, without_loops, without_unfed};
 use super::{Format, FormatTrait, SolverSetting, Written, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_core::flow::Unfed;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
 use willis_core::support::geometry::lerp;
@@ -48,10 +48,8 @@ impl Target {
             }
         })?;
         let nodes = nodes_table_path(path).filter(|_| format.is(FormatTrait::TwoTables));
-        if nodes.is_none() && format.is(FormatTrait::TwoTables) {
-            let accepted = "is the name of the table of nodes; expected that of the vessels";
-            return Err(Error::parameter("output", path.display(), accepted));
-        }
+        let accepted = "is the name of the table of nodes; expected that of the vessels";
+        require(nodes.is_some() || !format.is(FormatTrait::TwoTables), "output", path.display(), accepted)?;
         let unfed = if format.is(FormatTrait::Model) { Unfed::Drop } else { Unfed::Keep };
         Ok(Self { format, path: path.to_owned(), nodes, unfed, setting: SolverSetting::default() })
     }
@@ -69,26 +67,18 @@ impl Target {
     ///
     /// No inlet where a format that needs none is to have what inlets feed.
     pub fn network<'a>(&self, network: &'a Network) -> Result<(Cow<'a, Network>, Vec<String>)> {
+        let is_model = self.format.is(FormatTrait::Model);
+        let drops = self.unfed == Unfed::Drop;
+        let states_inlets = !drops || is_model || (0..network.node_count()).any(|node| enters(network, node));
+        require(states_inlets, "unfed", "drop", "needs a node that states where blood enters; none does")?;
+        let is_needed = [drops, is_model, self.format == Format::OpenBf];
+        let steps = is_needed.into_iter().zip([without_unfed, without_loops, with_few_at_a_node]);
         let (mut made, mut notes) = (Cow::Borrowed(network), Vec::new());
-        if self.unfed == Unfed::Drop {
-            if !self.format.is(FormatTrait::Model) && !(0..network.node_count()).any(|node| enters(network, node)) {
-                return Err(Error::parameter("unfed", "drop", "needs a node that states where blood enters; none does"));
+        for (_, step) in steps.filter(|(is_needed, _)| *is_needed) {
+            if let Some((changed, note)) = step(&made) {
+                made = Cow::Owned(changed);
+                notes.push(note);
             }
-            let (fed, note) = without_unfed(network);
-            made = fed;
-            notes.extend(note);
-        }
-        if self.format.is(FormatTrait::Model)
-            && let Some((divided, note)) = without_loops(&made)
-        {
-            made = Cow::Owned(divided);
-            notes.push(note);
-        }
-        if self.format == Format::OpenBf
-            && let Some((divided, note)) = with_few_at_a_node(&made, MOST_JOINED)
-        {
-            made = Cow::Owned(divided);
-            notes.push(note);
         }
         Ok((made, notes))
     }

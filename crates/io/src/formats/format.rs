@@ -157,7 +157,7 @@ impl Format {
             Self::SvZeroD => write_svzerod(out, network, setting)?,
             Self::OpenBf => written.inlets = write_openbf(out, network, setting)?,
             Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
-                return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
+                return Err(super::refused("it is only read"));
             }
         }
         Ok(())
@@ -251,12 +251,8 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
 
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
-    if bytes.trim_ascii().is_empty() {
-        return Err(Fault::file("the file is empty", Format::expected()));
-    }
-    if let Some(fault) = refused(path, bytes) {
-        return Err(fault);
-    }
+    ensure(!bytes.trim_ascii().is_empty(), || Fault::file("the file is empty", Format::expected()))?;
+    refused(path, bytes).map_or(Ok(()), Err)?;
     if let Some(format) = by_signature(bytes)? {
         return Ok(format);
     }
@@ -291,13 +287,10 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if nifti::is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
         return Ok(Some(Format::Nifti));
     }
-    if is_gzip(bytes) {
-        return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
-    }
+    ensure(!is_gzip(bytes), || Fault::file("the file is packed by gzip twice", "expected a file that is packed once"))?;
     let holds_hdf5 = bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5));
-    if !holds_hdf5 && bytes.starts_with(b"MATLAB 5.0 MAT-file") {
-        return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
-    }
+    let wrong = || Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)");
+    ensure(holds_hdf5 || !bytes.starts_with(b"MATLAB 5.0 MAT-file"), wrong)?;
     let text = bytes.trim_ascii_start();
     let is_tre = || {
         let line = text.split(|b| *b == b'\n').next().unwrap_or_default();

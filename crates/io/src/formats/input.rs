@@ -7,7 +7,7 @@ use std::{cell::Cell, fs::File};
 use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::open_regular;
+use super::{ensure, open_regular};
 use willis_core::error::{Error, Fault, Result};
 
 /// How many first bytes of a file are looked at to find its format.
@@ -70,9 +70,7 @@ fn all_of(file: File, path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(length_within(&file, path, most, more)? as usize);
     let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    if bytes.len() as u64 > most {
-        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
-    }
+    ensure(bytes.len() as u64 <= most, || too_large(&format!("more than {}", size(most)), most, more).in_file(path))?;
     Ok(bytes)
 }
 

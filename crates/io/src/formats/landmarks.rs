@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::tables::reader::{Row, TableReader, listed, uncommented};
 use super::vendors::slicer_markups::{SCHEMA, frame_called, markups_of, unit};
-use super::{Column, POSITION_COLUMNS, coordinate_columns, input::without_mark, tables::write::real, write_csv};
+use super::{Column, POSITION_COLUMNS, coordinate_columns, ensure, input::without_mark, tables::write::real, write_csv};
 use willis_core::error::{Fault, Place};
 use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
@@ -75,10 +75,8 @@ pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault
     } else {
         read_table(bytes, scale)?
     };
-    if list.landmarks.is_empty() {
-        return Err(Fault::file("no landmark", "expected a row or a control point for every landmark"));
-    }
-    Ok(list)
+    let none = || Fault::file("no landmark", "expected a row or a control point for every landmark");
+    ensure(!list.landmarks.is_empty(), none).map(|()| list)
 }
 
 /// The landmarks that were found so far, and how many were left out.

@@ -42,8 +42,8 @@ pub use tables::graph::{
     read_csv_nodes, read_points, stated_columns, vessel_columns, wall_columns, windkessel_columns, write_csv_graph, write_points,
 };
 pub use tables::lists::{
-    ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, add_loops, read_decisions, read_links, read_prior_csv,
-    read_prior_npy, write_loops,
+    ANSWERS, ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, add_loops, read_decisions, read_links,
+    read_prior_csv, read_prior_npy, write_loops,
 };
 pub use tables::manifest::{Covariates, ManifestRow, read_manifest, read_participants};
 pub use tables::write::{Column, Texts, Values, coordinate_columns, escape_formula, write_csv, write_stacked};
@@ -64,12 +64,12 @@ pub(crate) use options::stated_unit;
 pub(crate) use polylines::{cells, centerlines, parents_first, parts_of, steps_from_inlets};
 pub(crate) use tables::reader::{TableReader, counted, is_missing, listed, plural};
 pub(crate) use tables::write::{check_rows, figures, real};
-pub(crate) use willis_core::error::{Fault, Result};
+pub(crate) use willis_core::error::{Fault, Result, ensure};
 pub(crate) use willis_core::network::walks::{other_end, vessels_at};
 pub(crate) use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Node, PathPoint, Scale, is_radius, millimetres};
 pub(crate) use willis_core::support::geometry::{Point, box_diagonal, distance, dot, lerp, norm_squared, radius_of, sub};
 
-/// Goes on where something is as it has to be; else the fault.
-pub(crate) fn ensure(is_right: bool, fault: impl FnOnce() -> Fault) -> Result<(), Fault> {
-    if is_right { Ok(()) } else { Err(fault()) }
+/// The error that a format cannot hold what is to be written.
+pub(crate) fn refused(why: impl Into<String>) -> std::io::Error {
+    std::io::Error::new(std::io::ErrorKind::InvalidInput, why.into())
 }

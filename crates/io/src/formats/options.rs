@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::masks::{Cavities, RadiusFrom};
-use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Frame, LengthUnit, RadiusRule, Scale, millimetres};
+use willis_core::error::{Error, Fault, Result, require};
+use willis_core::network::{Frame, LengthUnit, RadiusRule, Scale, is_radius, millimetres};
 use willis_core::support::geometry::Point;
 
 /// How to read a file.
@@ -72,18 +72,15 @@ impl ReadOptions {
     pub fn validate(&self) -> Result<()> {
         self.scale.validate()?;
         self.loops.as_deref().map_or(Ok(()), check_name)?;
-        if let Some(level) = self.level.filter(|level| !level.is_finite()) {
-            return Err(Error::parameter("level", level, "expected a finite number"));
-        }
+        let level = self.level.unwrap_or_default();
+        require(level.is_finite(), "level", level, "expected a finite number")?;
         if let Some([low, high]) = self.field_of_view.filter(|[low, high]| !(0..3).all(|k| low[k] < high[k])) {
             let given: Vec<String> = low.iter().chain(&high).map(|m| millimetres(*m).to_string()).collect();
             let accepted = "expected the least x,y,z and the largest x,y,z, in mm";
             return Err(Error::parameter("box", given.join(","), accepted));
         }
-        if let Some(m) = self.default_radius.filter(|m| !(m.is_finite() && *m > 0.0)) {
-            return Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"));
-        }
-        Ok(())
+        let Some(m) = self.default_radius else { return Ok(()) };
+        require(is_radius(m), "default_radius", millimetres(m), "expected a positive length")
     }
 
     /// Whether vessels may lack any radius.

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::formats::{Centerlines, Frame, Network, Node, PathPoint, Point, distance, other_end, vessels_at};
+use crate::formats::{Centerlines, Frame, Network, Node, PathPoint, Point, distance, ensure, other_end, refused, vessels_at};
 use willis_core::network::{Origin, Role, Vessel};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
@@ -12,9 +12,7 @@ pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
     for start in 0..up.len() {
         let (first, mut at) = (order.len(), Some(start));
         while let Some(row) = at.filter(|row| reached_from[*row].is_none_or(|from| from == start)) {
-            if reached_from[row].replace(start).is_some() {
-                return Err(row);
-            }
+            ensure(reached_from[row].replace(start).is_none(), || row)?;
             order.push(row);
             at = up[row];
         }
@@ -75,7 +73,7 @@ pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
 ///
 /// A node without position (`InvalidInput`).
 pub(crate) fn positions(network: &Network) -> io::Result<Vec<Point>> {
-    let missing = |node: &Node| io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
+    let missing = |node: &Node| refused(format!("node {} has no position", node.id));
     network.nodes().map(|node| node.position.ok_or_else(|| missing(node))).collect()
 }
 
@@ -140,10 +138,8 @@ pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
         let [a, b] = network.ends(row);
         let inner = line.len() - 2;
         let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
-        if void {
-            let why = "has no points of its own between nodes that are one, or joined by another such vessel";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{} {why}", network.vessel_name(row))));
-        }
+        let why = "has no points of its own between nodes that are one, or joined by another such vessel";
+        ensure(!void, || refused(format!("{} {why}", network.vessel_name(row))))?;
         out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
         out.vessel.resize(out.links.len(), row);
     }

@@ -3,11 +3,11 @@
 
 use std::collections::{BTreeMap, HashMap, VecDeque, hash_map::Entry};
 use std::io::{self, Write};
-use std::{borrow::Cow, f64::consts::PI, iter::successors};
+use std::{f64::consts::PI, iter::successors};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Network, Node, find, other_end, plural, vessels_at};
+use crate::formats::{Network, Node, ensure, find, other_end, plural, refused, vessels_at};
 use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 use willis_core::support::numbered::{grouped, marked, placed};
@@ -40,15 +40,15 @@ pub(crate) fn enters(network: &Network, node: usize) -> bool {
     }
 }
 
-/// The network without the parts that no blood enters, with a note that counts them; as it is where no vessel has an inlet.
-pub(crate) fn without_unfed(network: &Network) -> (Cow<'_, Network>, Option<String>) {
+/// The network without the parts that no blood enters, with a note that counts them; none where there are none, or no vessel has an inlet.
+pub(crate) fn without_unfed(network: &Network) -> Option<(Network, String)> {
     let is_fed = fed(network, |node| enters(network, node));
     let left_out = network.vessels().filter(|([a, _], _)| !is_fed[*a]).count();
     if left_out == 0 || left_out == network.vessel_count() {
-        return (Cow::Borrowed(network), None);
+        return None;
     }
     let note = format!("{} in parts that no blood enters, left out (`unfed=keep` writes them)", plural(left_out, "vessel"));
-    (Cow::Owned(network.part(|node| is_fed[node]).0), Some(note))
+    Some((network.part(|node| is_fed[node]).0, note))
 }
 
 /// The network with every vessel from a node to itself divided in two, as solvers in time need it, with a note that counts them.
@@ -70,12 +70,12 @@ pub(crate) fn without_loops(network: &Network) -> Option<(Network, String)> {
     Some((made, format!("{} from a node to itself, divided in two", plural(loops.len(), "vessel"))))
 }
 
-/// The network with no more than `most` vessels at a node, with a note that counts those that had more: such a node becomes several in a row, the
+/// The network with no more vessels at a node than openBF takes, with a note that counts those that had more: such a node becomes several in a row, the
 /// widest vessels at the first two places, joined by vessels as wide as the widest there and as long as its radius.
-pub(crate) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Network, String)> {
+pub(crate) fn with_few_at_a_node(network: &Network) -> Option<(Network, String)> {
     let sides = network.vessels().enumerate().flat_map(|(row, (ends, _))| [0, 1].map(|side| (ends[side], (row, side))));
     let mut at = grouped(network.node_count(), sides);
-    let crowded: Vec<usize> = (0..network.node_count()).filter(|node| at[*node].len() > most).collect();
+    let crowded: Vec<usize> = (0..network.node_count()).filter(|node| at[*node].len() > MOST_JOINED).collect();
     if crowded.is_empty() {
         return None;
     }
@@ -89,8 +89,8 @@ pub(crate) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Netw
         let widest = radius(here[0].0);
         let mut last = *node;
         // One place for each vessel but the last, which shares that of the one before it.
-        for (number, (row, side)) in here[most - 1..].iter().enumerate() {
-            if number + most < here.len() {
+        for (number, (row, side)) in here[MOST_JOINED - 1..].iter().enumerate() {
+            if number + MOST_JOINED < here.len() {
                 let id = format!("{}-part-{}", network.node(*node).id, number + 1);
                 let next = made.add_node(Node { id, position: network.node(*node).position, ..Node::default() });
                 links.push(([last, next], Vessel::new(widest, widest, Origin::Observed)));
@@ -105,7 +105,7 @@ pub(crate) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Netw
         made.add_vessel(ends, vessel);
     }
     let nodes = plural(crowded.len(), "node");
-    Some((made, format!("{nodes} of more than {most} vessels divided, by {} one radius long", plural(count, "vessel"))))
+    Some((made, format!("{nodes} of more than {MOST_JOINED} vessels divided, by {} one radius long", plural(count, "vessel"))))
 }
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
@@ -131,7 +131,6 @@ impl<'a> Directed<'a> {
     ///
     /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
     fn of(network: &'a Network, setting: &'a SolverSetting) -> io::Result<Self> {
-        let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
         if let Some(row) = network.vessels().position(|(ends, _)| ends[0] == ends[1]) {
             return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
         }
@@ -143,9 +142,7 @@ impl<'a> Directed<'a> {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
         }
         let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
-        if inlets.is_empty() {
-            return Err(refused("no node states an inlet of a vessel; state conditions in the file".to_owned()));
-        }
+        ensure(!inlets.is_empty(), || refused("no node states an inlet of a vessel; state conditions in the file"))?;
         let mut turned = vec![None; network.vessel_count()];
         // A way may end where blood leaves, or on another way.
         let mut is_target: Vec<bool> = (0..network.node_count()).map(|node| at[node].len() == 1 && !enters(node)).collect();
@@ -242,7 +239,7 @@ const THICKNESS: f64 = 0.1;
 /// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
 const LEAST: f64 = 1e-3;
 /// openBF has equations for a conjunction, a bifurcation and an anastomosis.
-pub(crate) const MOST_JOINED: usize = 3;
+const MOST_JOINED: usize = 3;
 
 /// Whether a text begins as a model of openBF, which states no positions, so that no network can be made of it.
 pub(crate) fn is_openbf(text: &[u8]) -> bool {
@@ -271,15 +268,14 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 /// As [`write_svzerod`]; a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
 /// flow that is not zero (`InvalidInput`).
 pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
-    let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
     let begins = marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
     if let Some(row) = ends.unfed {
-        return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
+        return Err(refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row))));
     }
     if let Some(node) = (0..network.node_count()).find(|node| ends.at[*node].len() > MOST_JOINED) {
         let (id, count) = (&network.node(node).id, ends.at[node].len());
-        return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
+        return Err(refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}")));
     }
     let is_inlet = |node: usize| ends.at[node].len() == 1 && begins[node];
     let (first, inner): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| is_inlet(*node));
@@ -327,7 +323,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
             Some(Condition::Pressure(_) | Condition::Flow(_)) => {
                 let node = &network.node(*stops).id;
                 let known = "openBF has resistances, ground and closed ends";
-                return refused(format!("node {node} is an outlet of fixed pressure or flow; {known}"));
+                return Err(refused(format!("node {node} is an outlet of fixed pressure or flow; {known}")));
             }
         }
     }

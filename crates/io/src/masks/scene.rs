@@ -6,7 +6,7 @@ use fixedbitset::FixedBitSet;
 
 use super::{Image, Picture, image::block_before, indices_of, row_at, strides_of};
 use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
-use willis_core::{network::millimetres, support::statistics::median};
+use willis_core::{error::ensure, network::millimetres, support::statistics::median};
 
 /// The image is averaged with a Gaussian of so many spacings.
 const SIGMA: f64 = 0.5;
@@ -134,9 +134,8 @@ impl Scene {
         let raw = e.position.iter().zip(&around).map(|(p, [background, _])| Some(picture.value(*p)? - background));
         let raw: Vec<Option<f64>> = raw.collect();
         let known: Vec<f64> = raw.iter().flatten().copied().collect();
-        if 2 * known.len() < raw.len() {
-            return Err(if away > 0.0 { Unseen::Beside(away) } else { Unseen::Unknown });
-        }
+        let is_seen = 2 * known.len() >= raw.len();
+        ensure(is_seen, || if away > 0.0 { Unseen::Beside(away) } else { Unseen::Unknown })?;
         let sign = match appearance {
             Appearance::Bright => 1.0,
             Appearance::Dark => -1.0,
@@ -148,9 +147,7 @@ impl Scene {
         let stand_out = raw.iter().zip(&noises).filter_map(|(x, noise)| Some(sign * (*x)? / noise));
         let stands_out = median(&stand_out.filter(|z| !z.is_nan()).collect::<Vec<f64>>()).unwrap_or(0.0);
         // Not a number is no contrast either.
-        if !(stands_out >= LEAST_CONTRAST && typical > 0.0) {
-            return Err(Unseen::Hidden(stands_out));
-        }
+        ensure(stands_out >= LEAST_CONTRAST && typical > 0.0, || Unseen::Hidden(stands_out))?;
         let mut contrast = vec![typical; e.position.len()];
         for line in e.lines {
             for (at, point) in line.iter().enumerate() {

@@ -37,11 +37,8 @@ pub enum RadiusFrom {
 impl RadiusFrom {
     /// The word for it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Area => "area",
-            Self::Distance => "distance",
-            Self::Inscribed => "inscribed",
-        }
+        // In the order of the variants.
+        ["area", "distance", "inscribed"][self as usize]
     }
 }
 

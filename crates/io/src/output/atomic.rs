@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use super::in_progress::{check_file_size, check_vacant, entries, folder_of, followed, sync_folder};
 use super::lock::{identity, is_own_folder};
 use super::{InProgress, files::DiskFile, names::SET, own_files::foreign_file, read_json, replace_file, write_error, write_file};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 
 /// An output folder being written; no other process can write it at the same time.
 #[derive(Debug)]
@@ -153,9 +153,7 @@ impl StagedFiles {
     }
 
     fn check_target(target: &Path, force: bool) -> Result<()> {
-        if target.is_dir() {
-            return Err(Error::parameter("output", target.display(), "is a folder; expected a file name"));
-        }
+        require(!target.is_dir(), "output", target.display(), "is a folder; expected a file name")?;
         check_vacant(target, force)
     }
 

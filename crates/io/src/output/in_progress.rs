@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock, parent};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, ensure};
 
 /// The beginning of the name of every unfinished output.
 const HIDDEN_PREFIX: &str = ".willis-";
@@ -69,9 +69,7 @@ impl InProgress {
         if fs::symlink_metadata(&folder).is_err() {
             return Ok(());
         }
-        if !is_own_folder(&folder) {
-            return Err(foreign(&folder, target));
-        }
+        ensure(is_own_folder(&folder), || foreign(&folder, target))?;
         let _lock = lock(&folder, target, TRIES)?;
         clear(&folder, Some(&place));
         discard(&folder);
@@ -271,32 +269,25 @@ pub fn check_file_size(target: &Path) -> Result<()> {
 /// It exists and `force` is off; a link to nothing; a device, a pipe, the current folder, the root of a file system; a folder above it that
 /// takes no file.
 pub fn check_vacant(target: &Path, force: bool) -> Result<()> {
-    let refused = |accepted: &str| Err(Error::parameter("output", target.display(), accepted));
+    let refused = |accepted: &str| Error::parameter("output", target.display(), accepted);
     if fs::symlink_metadata(target).is_err_and(|e| e.kind() == ErrorKind::InvalidFilename) {
         let bytes = target.file_name().unwrap_or_default().len();
-        return refused(&format!("its name has {bytes} bytes, more than the file system takes; choose a shorter one"));
+        return Err(refused(&format!("its name has {bytes} bytes, more than the file system takes; choose a shorter one")));
     }
     let there = target.exists();
-    if !there && fs::symlink_metadata(target).is_ok() {
-        return refused("is a link to nothing; remove it, or name what it is to point to");
-    }
-    if there && !force {
-        return Err(Error::Exists { path: target.to_owned() });
-    }
+    let leads_nowhere = !there && fs::symlink_metadata(target).is_ok();
+    ensure(!leads_nowhere, || refused("is a link to nothing; remove it, or name what it is to point to"))?;
+    ensure(force || !there, || Error::Exists { path: target.to_owned() })?;
     let place = followed(target);
     if there {
-        if !place.is_file() && !place.is_dir() {
-            return refused("is a device or a pipe; expected the name of a file or a folder");
-        }
+        let is_usual = place.is_file() || place.is_dir();
+        ensure(is_usual, || refused("is a device or a pipe; expected the name of a file or a folder"))?;
         let here = std::env::current_dir().and_then(|here| here.canonicalize());
-        if here.ok().zip(place.canonicalize().ok()).is_some_and(|(here, place)| here.starts_with(place)) {
-            return refused(
-                "is the current folder or has it in it, which cannot be replaced; expected the name of another folder",
-            );
-        }
-        if is_mounted(&place) {
-            return refused("is where a file system is mounted, which cannot be replaced; expected the name of a folder in it");
-        }
+        let holds_here = here.ok().zip(place.canonicalize().ok()).is_some_and(|(here, place)| here.starts_with(place));
+        let accepted = "is the current folder or has it in it, which cannot be replaced; expected the name of another folder";
+        ensure(!holds_here, || refused(accepted))?;
+        let accepted = "is where a file system is mounted, which cannot be replaced; expected the name of a folder in it";
+        ensure(!is_mounted(&place), || refused(accepted))?;
     }
     let standing = place.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
     let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -307,7 +298,7 @@ pub fn check_vacant(target: &Path, force: bool) -> Result<()> {
             use ErrorKind::{PermissionDenied, ReadOnlyFilesystem, StorageFull};
             let is_plain = matches!(e.kind(), PermissionDenied | ReadOnlyFilesystem | StorageFull);
             let why = if is_plain { format!(": {}", e.kind()) } else { String::new() };
-            refused(&format!("cannot be made: nothing can be written into {}{why}", folder.display()))
+            Err(refused(&format!("cannot be made: nothing can be written into {}{why}", folder.display())))
         }
     }
 }

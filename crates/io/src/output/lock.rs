@@ -4,7 +4,7 @@ use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::{path::Path, thread::sleep, time::Duration};
 
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, ensure};
 
 /// The name of the file that is locked.
 pub const LOCK: &str = "lock";
@@ -52,9 +52,8 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
             cfg!(not(unix))
                 || fs::symlink_metadata(folder).is_ok_and(|folder| FileFacts::of(&folder).user == FileFacts::of(about).user)
         };
-        if !file.metadata().is_ok_and(|about| about.is_file() && FileFacts::of(&about).names <= 1 && is_of_one_user(&about)) {
-            return Err(foreign(&path, target));
-        }
+        let is_own = |about: Metadata| about.is_file() && FileFacts::of(&about).names <= 1 && is_of_one_user(&about);
+        ensure(file.metadata().is_ok_and(is_own), || foreign(&path, target))?;
         match file.try_lock() {
             Ok(()) if is_there(&file) => {
                 // For users; the lock works without it.

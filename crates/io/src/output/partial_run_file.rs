@@ -2,7 +2,7 @@
 
 use std::io::{self, Seek, Write};
 
-use crate::formats::{NamedArray, read_arrays, write_arrays};
+use crate::formats::{NamedArray, ensure, read_arrays, write_arrays};
 use willis_core::error::Fault;
 use willis_core::sampling::{PartialRun, Sums};
 
@@ -66,10 +66,8 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let item = || format!("array {name}");
         let at = arrays.iter().position(|array| array.name == name);
         let array = arrays.swap_remove(at.ok_or_else(|| Fault::item(item(), "is missing", WRITTEN_BY))?);
-        if array.shape.iter().skip(1).product::<usize>() != columns {
-            let found = format!("{} columns", array.shape.iter().skip(1).product::<usize>());
-            return Err(Fault::item(item(), found, format!("expected {columns}")));
-        }
+        let found = array.shape.iter().skip(1).product::<usize>();
+        ensure(found == columns, || Fault::item(item(), format!("{found} columns"), format!("expected {columns}")))?;
         Ok(array.values)
     };
     let vessels = uncertain.len();
@@ -79,17 +77,14 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
     let run = take("run", 1)?;
     let [samples, step] = run[..] else { return Err(wrong("run")) };
     let mut part = PartialRun::new(uncertain, whole(samples).filter(|n| *n > 0).ok_or_else(|| wrong("run"))?);
-    if whole(step) != Some(part.step()) {
-        return Err(wrong("run"));
-    }
+    ensure(whole(step) == Some(part.step()), || wrong("run"))?;
     let blocks = take("blocks", 2)?;
     let [samples, rho, perfused, residual] = FIGURES.map(|(name, _)| take(name, 1));
     let figures = [samples?, rho?, perfused?, residual?];
     let vectors = [take(VECTORS[0].0, vessels)?, take(VECTORS[1].0, vessels)?, take(VECTORS[2].0, vessels)?];
     let m = figures[0].len();
-    if blocks.len() != 2 * m || figures.iter().any(|f| f.len() != m) || vectors.iter().any(|v| v.len() != m * vessels) {
-        return Err(wrong("blocks"));
-    }
+    let are_whole = figures.iter().all(|f| f.len() == m) && vectors.iter().all(|v| v.len() == m * vessels);
+    ensure(blocks.len() == 2 * m && are_whole, || wrong("blocks"))?;
     for at in 0..m {
         let ends = whole(blocks[2 * at]).zip(whole(blocks[2 * at + 1]));
         let (first, blocks) = ends.filter(|(first, blocks)| part.takes(*first, *blocks)).ok_or_else(|| wrong("blocks"))?;
@@ -98,21 +93,16 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         let [likelihood, square, count] = vectors.each_ref().map(|v| v[at * vessels..(at + 1) * vessels].to_vec());
         let samples = samples.ok_or_else(|| wrong("samples"))?;
         let sums = Sums { likelihood, square, count, network_resilience, perfused, residual, samples };
-        if !sums.are_possible() {
-            return Err(Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY));
-        }
+        let impossible = || Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY);
+        ensure(sums.are_possible(), impossible)?;
         part.insert(first, blocks, sums, &mut Vec::new());
     }
     let (steps, trace) = (take("step", 1)?, take("trace", uncertain_count)?);
-    if trace.len() != steps.len() * uncertain_count {
-        return Err(wrong("trace"));
-    }
+    ensure(trace.len() == steps.len() * uncertain_count, || wrong("trace"))?;
     for (at, step) in steps.iter().enumerate() {
         let number = whole(*step).filter(|n| part.holds_step(*n)).ok_or_else(|| wrong("step"))?;
         part.insert_step(number, trace[at * uncertain_count..(at + 1) * uncertain_count].to_vec());
     }
-    if !part.is_traced() || !part.is_trace_of_its_sums() {
-        return Err(wrong("trace"));
-    }
+    ensure(part.is_traced() && part.is_trace_of_its_sums(), || wrong("trace"))?;
     Ok(part)
 }

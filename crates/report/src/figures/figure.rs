@@ -14,7 +14,7 @@ use tiny_skia::{
 
 use super::sheet::{Align, DASH, EXPONENT, FilledBox, LIFT, LineStyle, Mark, POINTS_PER_INCH, Sheet, SheetPlace, em};
 use super::{INK, MAP, Rgb};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_io::output::write_file;
 
 /// The default resolution, pixels per inch.
@@ -43,8 +43,8 @@ impl SaveOptions {
     ///
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
-        if DPI.contains(&self.dpi) { Ok(()) } else { Err(Error::parameter("dpi", self.dpi, accepted())) }
+        let accepted = format!("expected a number from {} to {}", DPI.start(), DPI.end());
+        require(DPI.contains(&self.dpi), "dpi", self.dpi, accepted)
     }
 }
 

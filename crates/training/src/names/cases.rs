@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use crate::cases::{read_network, walk};
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::{Fault, Result, require};
 use willis_core::network::{Frame, Network, paths::ShortestPaths};
 use willis_core::support::geometry::{Point, distance, dot};
 use willis_core::support::in_order;
@@ -75,10 +75,8 @@ pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
             found.extend(is_case.then(|| path.to_owned()));
             is_case
         })?;
-        if found.len() == before {
-            let accepted = "expected folders with fragments.swc, labels.csv and truth.json in them";
-            return Err(Error::parameter("CASES", format!("{}: no labelled case", folder.display()), accepted));
-        }
+        let accepted = "expected folders with fragments.swc, labels.csv and truth.json in them";
+        require(found.len() > before, "CASES", format!("{}: no labelled case", folder.display()), accepted)?;
     }
     let weights = Weights::shipped()?;
     in_order(&found, |_, folder| read_case(folder, &weights)).into_iter().collect()

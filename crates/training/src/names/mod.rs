@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use crate::example::dealt;
 use crate::minimise::{RegressionRow, logistic};
 use atlas::fit_atlas;
-use willis_core::error::{Error, Result};
+use willis_core::error::{Result, require};
 use willis_core::sampling::SamplingOptions;
 use willis_core::support::{distinct, in_order, model_provenance::ModelProvenance};
 use willis_models::candidates::{CandidateOptions, build_with_evidence, model::Weights};
@@ -105,18 +105,13 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
 
 /// Whether there is enough to fit to.
 fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
-    if subjects < 3 {
-        return Err(Error::parameter("CASES", format!("{subjects} subjects"), "expected three at least"));
-    }
-    if !(2..=subjects).contains(&folds) {
-        return Err(Error::parameter("folds", folds, format!("expected 2 to {subjects}, the number of subjects")));
-    }
-    for (what, whole) in [("whole tracing", true), ("broken tracing", false)] {
-        if cases.iter().all(|case| case.is_whole != whole) {
-            return Err(Error::parameter("CASES", format!("no {what}"), "expected both whole and broken tracings"));
-        }
-    }
-    Ok(())
+    require(subjects >= 3, "CASES", format!("{subjects} subjects"), "expected three at least")?;
+    let accepted = format!("expected 2 to {subjects}, the number of subjects");
+    require((2..=subjects).contains(&folds), "folds", folds, accepted)?;
+    [("whole tracing", true), ("broken tracing", false)].into_iter().try_for_each(|(what, whole)| {
+        let is_there = cases.iter().any(|case| case.is_whole == whole);
+        require(is_there, "CASES", format!("no {what}"), "expected both whole and broken tracings")
+    })
 }
 
 /// What a model without its subject says of a case.

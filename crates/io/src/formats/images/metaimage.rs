@@ -4,8 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::stored_image::StoredImage;
+use super::stored_image::{ONE_VOLUME, StoredImage};
 use super::voxels::{Voxels, number_type};
+use crate::formats::ensure;
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};
 
@@ -86,23 +87,20 @@ impl MetaHeader {
         let axes = match self.fields.needed("NDims")? {
             (_, "3") => 3,
             (_, "4") => 4,
-            _ => return Err(self.fields.wrong("NDims", "expected three dimensions; take one volume")),
+            _ => return Err(self.fields.wrong("NDims", ONE_VOLUME)),
         };
         if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| *channels != "1") {
             return Err(Fault::line(line, format!("{channels} values a voxel"), "expected one"));
         }
-        if self.fields.get("BinaryData").is_some() && !self.fields.is_true("BinaryData") {
-            return Err(Fault::file("voxels as text", "expected BinaryData = True"));
-        }
+        let is_binary = self.fields.get("BinaryData").is_none() || self.fields.is_true("BinaryData");
+        ensure(is_binary, || Fault::file("voxels as text", "expected BinaryData = True"))?;
         let (_, word) = self.fields.needed("ElementType")?;
         let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
         let (kind, size) = number_type(|(.., of_metaimage, _)| of_metaimage.split('|').any(|known| known == word))
             .ok_or_else(|| self.fields.wrong("ElementType", accepted))?;
         self.fields.needed("DimSize")?;
         let shape: Vec<usize> = self.fields.numbers("DimSize", axes, "whole numbers", |_| true)?.unwrap_or_default();
-        if shape.get(3).is_some_and(|volumes| *volumes != 1) {
-            return Err(self.fields.wrong("DimSize", "expected three dimensions; take one volume"));
-        }
+        ensure(shape.get(3).is_none_or(|volumes| *volumes == 1), || self.fields.wrong("DimSize", ONE_VOLUME))?;
         let shape = [shape[0], shape[1], shape[2]];
         let numbers = |names: &[&str], count: usize| self.fields.first_numbers(names, count, "numbers", |_| true);
         let three = |all: Vec<f64>| [all[0], all[1], all[2]];

@@ -10,6 +10,7 @@ use flate2::{Compression, read::MultiGzDecoder, write::GzEncoder};
 use super::voxels::{OpenedVoxels, Voxels, number_type};
 use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
+use crate::formats::{ensure, refused};
 use crate::masks::{Affine, Image, Mask, steps_of};
 use willis_core::{error::Fault, network::Frame, support::geometry::norm};
 
@@ -134,9 +135,8 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     put(ONE.dim, &3_i16.to_le_bytes());
     for n in 0..7 {
         let length = shape.get(n).copied().unwrap_or(1);
-        let length = i16::try_from(length).map_err(|_| {
-            io::Error::new(io::ErrorKind::InvalidInput, format!("{length} voxels along an axis, more than 32767"))
-        })?;
+        let many = |_| refused(format!("{length} voxels along an axis, more than 32767"));
+        let length = i16::try_from(length).map_err(many)?;
         put(ONE.dim + 2 * (n + 1), &length.to_le_bytes());
     }
     put(ONE.datatype, &datatype.to_le_bytes());
@@ -185,9 +185,8 @@ impl NiftiHeader<'_> {
     fn voxels(&self) -> Result<(Voxels, u64), Fault> {
         let layout = &self.layout;
         let magic: &[u8] = if layout.wide { &self.head[4..7] } else { &self.head[344..347] };
-        if magic.starts_with(b"ni") {
-            return Err(Fault::file("a header whose voxels are in another file", "expected both in one file (.nii, .nii.gz)"));
-        }
+        let apart = || Fault::file("a header whose voxels are in another file", "expected both in one file (.nii, .nii.gz)");
+        ensure(!magic.starts_with(b"ni"), apart)?;
         let bytes = if layout.wide { 8 } else { 2 };
         let dim = |n: usize| self.whole(layout.dim + n * bytes, bytes);
         let shape: Vec<i64> = (1..=dim(0).clamp(0, 7) as usize).map(dim).collect();
@@ -196,7 +195,7 @@ impl NiftiHeader<'_> {
         let (Some(x), Some(y), Some(z), false) = (length(0), length(1), length(2), more) else {
             let words: Vec<String> = shape.iter().map(i64::to_string).collect();
             let found = format!("an image of {} dimensions: {}", shape.len(), words.join(" x "));
-            return Err(Fault::file(found, "expected three dimensions; take one volume"));
+            return Err(Fault::file(found, super::stored_image::ONE_VOLUME));
         };
         let code = self.whole(layout.datatype, 2);
         let unknown = || Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel");
@@ -241,10 +240,9 @@ impl NiftiHeader<'_> {
         let at = |n: usize| self.real(self.layout.frames, n);
         let (b, c, d) = (at(0), at(1), at(2));
         let square = 1.0 - (b * b + c * c + d * d);
+        let wrong = || Fault::file(format!("quaternion {b} {c} {d}"), "expected a rotation: squares of at most 1 in all");
         // Three numbers of single precision may exceed 1 by their rounding.
-        if square.is_nan() || square < -1e-5 {
-            return Err(Fault::file(format!("quaternion {b} {c} {d}"), "expected a rotation: squares of at most 1 in all"));
-        }
+        ensure(square >= -1e-5, wrong)?;
         let a = square.max(0.0).sqrt();
         let rotation = [
             [a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)],

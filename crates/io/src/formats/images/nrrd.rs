@@ -6,15 +6,15 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, copy, sink};
 use std::path::{Path, PathBuf};
 
-use super::stored_image::{Layers, MOST_SEGMENTS, PIECE, Pieces, StoredImage};
+use super::stored_image::{Layers, MOST_SEGMENTS, ONE_VOLUME, PIECE, Pieces, StoredImage};
 use super::voxels::{Voxels, number_type};
+use crate::formats::ensure;
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};
 use willis_core::network::{Frame, LengthUnit};
 
 /// The field that names another file of the voxels.
 const DATA: &str = "data file";
-const ONE_VOLUME: &str = "expected three dimensions; take one volume";
 /// No header is longer; that of a hundred segments has a tenth of it.
 const MOST_HEADER: usize = 1 << 20;
 
@@ -108,9 +108,8 @@ impl NrrdHeader {
         let mut lines = HeaderLines::new(head);
         loop {
             let at = head.len() - lines.rest.len();
-            if at >= MOST_HEADER {
-                return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
-            }
+            let wrong = || Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header");
+            ensure(at < MOST_HEADER, wrong)?;
             // A header whose voxels are in another file may end with the file.
             let Some((line, text)) = lines.line().filter(|(_, text)| !text.is_empty()) else {
                 return Ok(Self { fields, keys, end: head.len() - lines.rest.len() });
@@ -176,16 +175,13 @@ impl NrrdHeader {
             3 => (1, [0, 1, 2]),
             4 => {
                 let list = self.list_axis(&sizes)?.ok_or_else(not_three)?;
-                if list > 0 && sizes[list] != 1 {
-                    return Err(not_three());
-                }
+                ensure(list == 0 || sizes[list] == 1, not_three)?;
                 (sizes[list], [0, 1, 2].map(|axis| axis + usize::from(axis >= list)))
             }
             _ => return Err(not_three()),
         };
-        if layers == 0 || layers > MOST_SEGMENTS {
-            return Err(self.fields.wrong("sizes", format!("expected from 1 to {MOST_SEGMENTS} layers")));
-        }
+        let wrong = || self.fields.wrong("sizes", format!("expected from 1 to {MOST_SEGMENTS} layers"));
+        ensure((1..=MOST_SEGMENTS).contains(&layers), wrong)?;
         Ok((of_space, sizes, layers))
     }
 

@@ -4,11 +4,13 @@ use std::io::{self, Read};
 use std::{cell::Cell, collections::BTreeMap, path::PathBuf};
 
 use super::voxels::Voxels;
-use crate::formats::tables::reader::{counted, plural};
+use crate::formats::{counted, ensure, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 use willis_core::support::distinct;
 
+/// What is accepted of an image with more axes than those of space.
+pub(super) const ONE_VOLUME: &str = "expected three dimensions; take one volume";
 /// Classes are numbered by one byte.
 pub(super) const MOST_SEGMENTS: usize = 255;
 
@@ -114,9 +116,8 @@ impl Layers {
     fn segments(&self) -> Result<Vec<SlicerSegment>, Fault> {
         let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
         let rows = distinct(self.keys.keys().filter_map(|key| number(key)));
-        if rows.len() > MOST_SEGMENTS {
-            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
-        }
+        let many = || Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}"));
+        ensure(rows.len() <= MOST_SEGMENTS, many)?;
         let segment = |row: usize| {
             let text = |what: &str| self.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
             let wrong = |what: &str, text: &str, accepted: String| {

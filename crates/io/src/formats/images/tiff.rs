@@ -10,7 +10,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits, ifd::Value};
 use tiff::{ColorType, tags::Tag};
 
 use super::{stored_image::Pieces, voxels::Voxels};
-use crate::formats::binary::NumberType;
+use crate::formats::{NumberType, ensure};
 use willis_core::error::Fault;
 use willis_core::network::{Frame, LengthUnit};
 
@@ -66,10 +66,9 @@ pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> s
     while pages.more_images() {
         pages.next_image().map_err(|error| broken(&error))?;
         let (other, number) = page(&mut pages)?;
-        if other != [x, y] || number != (kind, size) {
-            let found = format!("page {}: {} x {} pixels of {} bytes", count + 1, other[0], other[1], number.1);
-            return Err(Fault::file(found, format!("expected {x} x {y} of {size} bytes, as the first page")));
-        }
+        let found = || format!("page {}: {} x {} pixels of {} bytes", count + 1, other[0], other[1], number.1);
+        let wrong = || Fault::file(found(), format!("expected {x} x {y} of {size} bytes, as the first page"));
+        ensure(other == [x, y] && number == (kind, size), wrong)?;
         count += 1;
     }
     if let Some(slices) = slices.filter(|slices| *slices != count) {
@@ -89,19 +88,16 @@ pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> s
     let voxels =
         Voxels { shape: [x, y, count], kind, size, big, slope: [1.0, 0.0], affine, frame: Frame::Unknown, reversed: false };
     let of_page = voxels.bytes(most)? / count as u64;
-    if of_page > MOST_PAGE || of_page / MOST_GAIN > bytes.len() as u64 {
-        let found = format!("pages of {of_page} bytes in a file of {}", bytes.len());
-        return Err(Fault::file(found, "expected a whole file, and pages of at most 1 GiB"));
-    }
+    let found = || format!("pages of {of_page} bytes in a file of {}", bytes.len());
+    let wrong = || Fault::file(found(), "expected a whole file, and pages of at most 1 GiB");
+    ensure(of_page <= MOST_PAGE && of_page / MOST_GAIN <= bytes.len() as u64, wrong)?;
     Ok((voxels, Box::new(values_of(opened()?))))
 }
 
 /// The pixels of a page along its two axes, and their type of number with its bytes.
 fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
-    if photometric(pages) == Some(COLOUR_TABLE) {
-        let accepted = "expected grey values; in ImageJ take Image > Lookup Tables > Grays before it is saved";
-        return Err(Fault::file("pixels with a table of colours", accepted));
-    }
+    let accepted = "expected grey values; in ImageJ take Image > Lookup Tables > Grays before it is saved";
+    ensure(photometric(pages) != Some(COLOUR_TABLE), || Fault::file("pixels with a table of colours", accepted))?;
     let color = pages.colortype().map_err(|error| broken(&error))?;
     let bits = match color {
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,

@@ -2,7 +2,10 @@
 
 use std::io::{self, Read};
 
-use crate::formats::binary::NumberType::{self, Real, Signed, Unsigned};
+use crate::formats::{
+    binary::NumberType::{self, Real, Signed, Unsigned},
+    ensure,
+};
 use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of, volume_of};
 use willis_core::{error::Fault, network::Frame, support::geometry::norm};
 
@@ -68,9 +71,7 @@ impl Voxels {
     pub fn bytes(&self, most: u64) -> Result<u64, Fault> {
         let shape = self.shape;
         let words = format!("{} x {} x {} voxels of {} bytes", shape[0], shape[1], shape[2], self.size);
-        if shape.contains(&0) {
-            return Err(Fault::file(words, "expected an image with voxels"));
-        }
+        ensure(!shape.contains(&0), || Fault::file(&*words, "expected an image with voxels"))?;
         let count = shape.iter().try_fold(self.size as u64, |all, n| all.checked_mul(*n as u64));
         let count = count.filter(|count| *count <= most);
         count.ok_or_else(|| Fault::file(words, format!("expected at most {most} bytes; `max_input` allows more")))
@@ -108,10 +109,9 @@ impl Voxels {
             block.clear();
             let wanted = (count - done).min(BLOCK) * self.size;
             let found = bytes.by_ref().take(wanted as u64).read_to_end(&mut block).map_err(|error| broken(done, error))?;
-            if found < wanted {
-                let found = format!("{} of {count} voxels", done + found / self.size);
-                return Err(Fault::file(found, "expected all of them; is the file cut off?"));
-            }
+            let whole = done + found / self.size;
+            let cut = || Fault::file(format!("{whole} of {count} voxels"), "expected all of them; is the file cut off?");
+            ensure(found == wanted, cut)?;
             take(&block)?;
         }
         io::copy(&mut bytes.take(most), &mut io::sink()).map_err(|error| broken(count, error))?;
@@ -163,13 +163,10 @@ impl Voxels {
         })?;
         let count = |seen: &[bool]| seen[1..].iter().filter(|is| **is).count();
         let several = count(&seen);
-        if several > MOST_CLASSES {
-            return Err(Fault::file(format!("looks like an image, not a mask: {several} values"), ACCEPTED));
-        }
-        if several == 0 {
-            let accepted = "expected voxels of vessels, which are not 0";
-            return Err(Fault::file("an empty mask", if level.is_some() { "expected a lower `level`" } else { accepted }));
-        }
+        let wrong = || Fault::file(format!("looks like an image, not a mask: {several} values"), ACCEPTED);
+        ensure(several <= MOST_CLASSES, wrong)?;
+        let accepted = if level.is_some() { "expected a lower `level`" } else { "expected voxels of vessels, which are not 0" };
+        ensure(several > 0, || Fault::file("an empty mask", accepted))?;
         // What would do as a mask has no partial volume.
         are_classes &= count(&known) <= MOST_CLASSES;
         let walls = walls.filter(|_| !are_classes).zip(level).and_then(|(walls, level)| walls.finish(level, &classes));
@@ -191,15 +188,12 @@ impl Voxels {
     fn check_frame(&self) -> Result<(), Fault> {
         let steps = steps_of(&self.affine);
         let lengths = steps.map(norm);
-        let found = format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
+        let found = || format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
+        let wrong = || Fault::file(found(), "expected a positive spacing along every axis, and a finite origin");
         let is_positive = lengths.iter().all(|length| length.is_finite() && *length > 0.0);
-        if !is_positive || !self.affine.iter().flatten().all(|x| x.is_finite()) {
-            return Err(Fault::file(found, "expected a positive spacing along every axis, and a finite origin"));
-        }
-        if volume_of(steps) < 1e-6 * lengths.iter().product::<f64>() {
-            return Err(Fault::file("axes that lie in a plane", "expected three independent directions"));
-        }
-        Ok(())
+        ensure(is_positive && self.affine.iter().flatten().all(|x| x.is_finite()), wrong)?;
+        let is_flat = volume_of(steps) < 1e-6 * lengths.iter().product::<f64>();
+        ensure(!is_flat, || Fault::file("axes that lie in a plane", "expected three independent directions"))
     }
 }
 
@@ -243,13 +237,10 @@ impl Classes {
             return Ok(class);
         }
         let odd = Odd { value, row, class: value.round() as u8 };
-        if !(0.0..=255.0).contains(&value.round()) || (value - value.round()).abs() >= FAR_FROM_WHOLE {
-            return Err(odd);
-        }
+        let is_near = (value - value.round()).abs() < FAR_FROM_WHOLE;
+        ensure(is_near && (0.0..=255.0).contains(&value.round()), || odd)?;
         if !self.odd.iter().any(|known| known.value == value) {
-            if self.odd.len() == MOST_CLASSES {
-                return Err(self.odd[0]);
-            }
+            ensure(self.odd.len() < MOST_CLASSES, || self.odd[0])?;
             self.odd.push(odd);
         }
         Ok(odd.class)
@@ -258,9 +249,7 @@ impl Classes {
     /// What a person should know about the values; an odd one that shares its class with another.
     fn finish(mut self) -> Result<Option<String>, Odd> {
         for odd in &self.odd {
-            if std::mem::replace(&mut self.whole[usize::from(odd.class)], true) {
-                return Err(*odd);
-            }
+            ensure(!std::mem::replace(&mut self.whole[usize::from(odd.class)], true), || *odd)?;
         }
         let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class);
         Ok(self.odd.iter().max_by_key(|odd| odd.class).map(said))

@@ -9,7 +9,7 @@ use py_literal::Value;
 use zip::{CompressionMethod, ZipArchive, write::SimpleFileOptions};
 
 use crate::formats::input::MAX_INPUT;
-use crate::formats::{Fault, NumberType, UnpackLimit, ensure, word};
+use crate::formats::{Fault, NumberType, UnpackLimit, ensure, refused, word};
 
 /// Values of one array at the most: 1 GiB of float64.
 const MOST_VALUES: usize = 1 << 27;
@@ -344,9 +344,8 @@ pub fn write_npz(out: impl Write + Seek, n: usize, entries: &[(u32, u32, f64)]) 
 /// A row or column that is not below n (`InvalidInput`), more cells than memory can address, or the writer's own.
 pub fn write_npy(mut out: impl Write, n: usize, entries: &[(u32, u32, f64)]) -> io::Result<()> {
     check(n, entries)?;
-    if n.checked_mul(n).and_then(|cells| cells.checked_mul(8)).is_none_or(|bytes| bytes > isize::MAX as usize) {
-        return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{n} x {n} cells are too many")));
-    }
+    let fits = n.checked_mul(n).and_then(|cells| cells.checked_mul(8)).is_some_and(|bytes| isize::try_from(bytes).is_ok());
+    ensure(fits, || refused(format!("{n} x {n} cells are too many")))?;
     let mut matrix = Array2::<f64>::zeros((n, n));
     for (a, b, value) in entries {
         let (a, b) = (*a as usize, *b as usize);
@@ -379,15 +378,13 @@ pub fn write_arrays<T: WritableElement>(out: impl Write + Seek, all: impl IntoIt
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     let mut npz = NpzWriter::new_with_options(out, options);
     for NamedArray { name, shape, values } in all {
-        let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
+        let array = ArrayD::from_shape_vec(shape, values).map_err(|e| refused(e.to_string()))?;
         npz.add_array(name, &array).map_err(io::Error::other)?;
     }
     npz.finish().map_err(io::Error::other)?.flush()
 }
 
 fn check(n: usize, entries: &[(u32, u32, f64)]) -> io::Result<()> {
-    match entries.iter().find(|(a, b, _)| *a as usize >= n || *b as usize >= n) {
-        None => Ok(()),
-        Some((a, b, _)) => Err(io::Error::new(io::ErrorKind::InvalidInput, format!("entry ({a}, {b}) is outside {n} x {n}"))),
-    }
+    let outside = entries.iter().find(|(a, b, _)| *a as usize >= n || *b as usize >= n);
+    outside.map_or(Ok(()), |(a, b, _)| Err(refused(format!("entry ({a}, {b}) is outside {n} x {n}"))))
 }

@@ -38,9 +38,8 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     let (scale, radius_optional) = (&options.scale, options.is_radius_optional());
     let room = UnpackLimit::of(bytes.len(), options.max_input);
     let mut archive = super::array::Archive::open(bytes, &room)?;
-    if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
-        return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
-    }
+    let is_sparse = archive.has("indptr") || (archive.has("row") && archive.has("col"));
+    ensure(!is_sparse, || Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED))?;
     let coords = archive.first(&COORDS)?.ok_or_else(|| archive.lacks("coords"))?;
     let edges = archive.first(&["edges"])?.ok_or_else(|| archive.lacks("edges"))?;
     let radii = archive.first(&RADII)?;

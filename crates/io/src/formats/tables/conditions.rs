@@ -4,7 +4,7 @@
 use serde::Deserialize;
 
 use super::reader::{TableReader, columns, uncommented};
-use crate::formats::input::without_mark;
+use crate::formats::{ensure, input::without_mark};
 use willis_core::error::{Fault, Place};
 use willis_core::network::units::{cubic_metres_per_second, pascals};
 use willis_core::network::waveform::{Quantity, Waveform};
@@ -113,9 +113,7 @@ fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault
         return Err(wrong(format!("column \"{other}\"")));
     }
     let [node, label, x, y, z, kind, value, unit, venous] = COLUMNS.map(|name| rows.find(&[name]));
-    if kind.is_none() && usual.is_none() {
-        return Err(wrong(format!("no column kind in {}", columns(&rows.header))));
-    }
+    ensure(kind.is_some() || usual.is_some(), || wrong(format!("no column kind in {}", columns(&rows.header))))?;
     let mut out = Vec::new();
     while let Some(row) = rows.row()? {
         let stated = |column: Option<usize>| column.filter(|column| !row.text(*column).is_empty());
@@ -161,10 +159,9 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
         "pressure" => (Role::Outlet, Condition::Pressure(figure(Dimension::Pressure)?)),
         "resistance" => {
             let (resistance, venous) = (figure(Dimension::Resistance)?, pascals(entry.venous_pressure_mmhg.unwrap_or(0.0)));
-            if !(resistance > 0.0 && venous.is_finite()) {
-                let accepted = "expected a positive resistance, and a finite venous pressure";
-                return Err(fault(&place, format!("resistance {resistance}"), accepted));
-            }
+            let accepted = "expected a positive resistance, and a finite venous pressure";
+            let is_right = resistance > 0.0 && venous.is_finite();
+            ensure(is_right, || fault(&place, format!("resistance {resistance}"), accepted))?;
             (Role::Outlet, Condition::Resistance { resistance, venous })
         }
         "flow" => {
@@ -175,12 +172,10 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
     };
     // What is stated holds, or is refused.
     let is_stated = |figure: Option<f64>| figure.is_some_and(|x| x != 0.0);
-    if kind == "ground" && is_stated(entry.value) {
-        return Err(fault(&place, "ground with a value", "expected none, or the kind pressure"));
-    }
-    if kind != "resistance" && is_stated(entry.venous_pressure_mmhg) {
-        return Err(fault(&place, format!("{kind} with a {VENOUS}"), "expected it with a resistance alone"));
-    }
+    let wrong = || fault(&place, "ground with a value", "expected none, or the kind pressure");
+    ensure(kind != "ground" || !is_stated(entry.value), wrong)?;
+    let wrong = || fault(&place, format!("{kind} with a {VENOUS}"), "expected it with a resistance alone");
+    ensure(kind == "resistance" || !is_stated(entry.venous_pressure_mmhg), wrong)?;
     Ok(Statement { place, spec, role, condition })
 }
 

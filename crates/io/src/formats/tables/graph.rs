@@ -10,11 +10,11 @@ use crate::formats::attributes::{
     self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, Records, SPEED, THICKNESS, YOUNG, nodes, vessels,
 };
 use crate::formats::polylines::{is_straight, polylines};
-use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, escape_formula, write_csv};
+use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, ensure, escape_formula, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{
-    Centerlines, Condition, Evidence, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius, millimetres,
+    Centerlines, Condition, Evidence, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius, millimetres,
 };
 use willis_core::support::geometry::{Point, box_diagonal, distance};
 
@@ -56,9 +56,8 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
             return Err(Fault::line(record.line, format!("no {key}"), "expected the name of a node"));
         };
         ids.push(record.text("id").unwrap_or(name));
-        if row_of.insert(name.to_owned(), row).is_some() {
-            return Err(Fault::line(record.line, format!("{key} {name} comes twice"), "expected every node once"));
-        }
+        let twice = || Fault::line(record.line, format!("{key} {name} comes twice"), "expected every node once");
+        ensure(row_of.insert(name.to_owned(), row).is_none(), twice)?;
     }
     let has_lengths_without_unit = attributes::has_lengths_without_unit(&records);
     Ok(NodeTable { nodes: nodes(&ids, &records, scale)?, row_of, has_lengths_without_unit })
@@ -116,16 +115,15 @@ pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOpti
         }
         rows.push(both);
     }
-    if rows.is_empty() {
-        return Err(Fault::file("no edges", "expected a row for every edge"));
-    }
-    if given {
-        same_places(&found, &places(&records, &placed), &records, &placed, &options.scale)?;
-    }
-    let mut network = Network::new();
-    for node in if given { found } else { nodes(&made, &places(&records, &placed), &options.scale)? } {
-        network.add_node(node);
-    }
+    ensure(!rows.is_empty(), || Fault::file("no edges", "expected a row for every edge"))?;
+    let places = places(&records, &placed);
+    let nodes = if given {
+        same_places(&found, &places, &records, &placed, &options.scale)?;
+        found
+    } else {
+        nodes(&made, &places, &options.scale)?
+    };
+    let mut network = Network::of(Frame::Unknown, nodes, Vec::new());
     let mut notes = vessels(&mut network, &rows, &records, options)?;
     notes.extend(attributes::unit_note(&options.scale, has_unit || attributes::has_lengths_without_unit(&records)));
     Ok((network, notes))
@@ -385,9 +383,8 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
     let (Some(fragment), Some(x), Some(y), Some(z)) = (fragment, x, y, z) else {
         return Err(Fault::line(header, columns(&rows.header), POINTS_HEADER));
     };
-    if radius.is_none() && !options.is_radius_optional() {
-        return Err(Fault::line(header, "no column radius", "expected one, or give `default_radius`"));
-    }
+    let none = || Fault::line(header, "no column radius", "expected one, or give `default_radius`");
+    ensure(radius.is_some() || options.is_radius_optional(), none)?;
     let mut lines = Centerlines::default();
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
@@ -396,9 +393,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
             continue;
         }
         let name = row.text(fragment);
-        if name.is_empty() {
-            return Err(Fault::line(row.line, "no fragment", "expected the name or number of the polyline"));
-        }
+        ensure(!name.is_empty(), || Fault::line(row.line, "no fragment", "expected the name or number of the polyline"))?;
         let position = row.point([x, y, z], &options.scale)?;
         let radius = radius.map_or(Ok(f64::NAN), |column| row.length(column, &options.scale))?;
         let radius = Some(radius).filter(|r| is_radius(*r)).unwrap_or(f64::NAN);
@@ -424,9 +419,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
             None => _ = last.insert(name.to_owned(), (strand, point)),
         }
     }
-    if lines.points.is_empty() {
-        return Err(Fault::file("no points", "expected a row for every point"));
-    }
+    ensure(!lines.points.is_empty(), || Fault::file("no points", "expected a row for every point"))?;
     Ok((lines, Vec::new()))
 }
 

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use super::reader::{Row, TableReader, columns, uncommented};
-use crate::formats::numpy::array::read_npy_matrix;
+use crate::formats::{ensure, numpy::array::read_npy_matrix};
 use willis_core::network::{Edit, Network};
 use willis_core::{error::Fault, support::geometry::Point};
 
@@ -50,10 +50,8 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
         let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(willis_core::network::metres));
         out.push(KnownConnection { line: row.line, ends });
     }
-    if out.is_empty() {
-        let which = if kept.is_some() { "at least one candidate with kept 1" } else { "at least one row" };
-        return Err(Fault::file("no correct candidate", format!("expected {which}")));
-    }
+    let which = if kept.is_some() { "at least one candidate with kept 1" } else { "at least one row" };
+    ensure(!out.is_empty(), || Fault::file("no correct candidate", format!("expected {which}")))?;
     Ok(out)
 }
 
@@ -79,9 +77,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) ->
             row_of.get(&id).copied().ok_or_else(|| Fault::line(line, format!("point {id} does not exist"), ACCEPTED))
         };
         let [a, b] = [row(pair[0])?, row(pair[1])?];
-        if a == b {
-            return Err(Fault::line(line, format!("point {} twice", pair[0]), "expected two different points"));
-        }
+        ensure(a != b, || Fault::line(line, format!("point {} twice", pair[0]), "expected two different points"))?;
         if known.insert([a.min(b), a.max(b)]) {
             let of_end = |point: u32| if let [only] = links_at[point as usize][..] { Some(only) } else { None };
             let label = of_end(a).or_else(|| of_end(b)).map_or("", |link| lines.labels.of(link)).to_owned();
@@ -128,13 +124,10 @@ pub fn read_prior_npy(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
     for vessel in 0..network.vessel_count() {
         let [a, b] = network.ends(vessel);
         let (prior, other) = (matrix[[a, b]], matrix[[b, a]]);
-        if !(0.0..=1.0).contains(&prior) {
-            return Err(Fault::item(format!("A[{a}, {b}]"), prior.to_string(), "expected a number from 0 to 1"));
-        }
-        if prior != other {
-            let found = format!("{prior}, and A[{b}, {a}] {other}");
-            return Err(Fault::item(format!("A[{a}, {b}]"), found, "expected a symmetric matrix"));
-        }
+        let fault = |found: String, accepted: &str| Fault::item(format!("A[{a}, {b}]"), found, accepted);
+        ensure((0.0..=1.0).contains(&prior), || fault(prior.to_string(), "expected a number from 0 to 1"))?;
+        let apart = || fault(format!("{prior}, and A[{b}, {a}] {other}"), "expected a symmetric matrix");
+        ensure(prior == other, apart)?;
         network.vessel_mut(vessel).prior = prior;
     }
     Ok(())
@@ -151,10 +144,9 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
     let mut rows = TableReader::open(bytes)?;
     let prior = rows.column(&["prior"], "the prior of a vessel")?;
     let (edge, ends) = (rows.find(&["edge"]), [rows.find(&["node_a"]), rows.find(&["node_b"])]);
-    if edge.is_none() && ends.contains(&None) {
-        let accepted = "expected a column edge, or columns node_a,node_b";
-        return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
-    }
+    let accepted = "expected a column edge, or columns node_a,node_b";
+    let says_which = edge.is_some() || !ends.contains(&None);
+    ensure(says_which, || Fault::line(rows.header_line, columns(&rows.header), accepted))?;
     let mut between = HashMap::<[usize; 2], Vec<usize>>::new();
     for vessel in 0..network.vessel_count() {
         let [a, b] = network.ends(vessel);
@@ -166,9 +158,8 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
         if value.is_nan() {
             continue;
         }
-        if !(0.0..=1.0).contains(&value) {
-            return Err(Fault::line(row.line, format!("prior {value}"), "expected a number from 0 to 1"));
-        }
+        let wrong = || Fault::line(row.line, format!("prior {value}"), "expected a number from 0 to 1");
+        ensure((0.0..=1.0).contains(&value), wrong)?;
         let named = match (edge, ends) {
             (Some(edge), _) => vec![below(&row, edge, network.vessel_count())?],
             (None, [Some(a), Some(b)]) => {
@@ -214,6 +205,9 @@ pub struct ConnectionDecision {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub comment: String,
 }
+
+/// The words for what a reader says of a connection.
+pub const ANSWERS: [(Option<bool>, &str); 3] = [(Some(true), "accept"), (Some(false), "reject"), (None, "unsure")];
 
 /// A decision in a list.
 #[derive(Debug, Clone, PartialEq)]
@@ -286,25 +280,18 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             let found = format!("edge \"{}\"", row.text(of_edge));
             Fault::line(line, found, "expected the row of a vessel in edges.csv, from 0")
         })?;
-        let accepted = match word {
-            "accept" => Some(true),
-            "reject" => Some(false),
-            "unsure" => None,
-            other => {
-                let found = format!("decision \"{other}\"");
-                return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
-            }
-        };
+        let accepted = "expected accept, reject, unsure, join, part or delete";
+        let other = || Fault::line(line, format!("decision \"{word}\""), accepted);
+        let (accepted, _) = ANSWERS.into_iter().find(|(_, answer)| *answer == word).ok_or_else(other)?;
         if let Some(first) = lines.insert(edge, line) {
             let found = format!("edge {edge} comes again, after line {first}");
             return Err(Fault::line(line, found, "expected one decision an edge"));
         }
         let places =
             if let Ok(Edit::Join(way)) = Edit::parse("join", &placed) { <[[f64; 3]; 2]>::try_from(way).ok() } else { None };
-        if places.is_none() && !placed.is_empty() {
-            let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
-            return Err(Fault::line(line, format!("places \"{placed}\""), expected));
-        }
+        let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
+        let are_read = places.is_some() || placed.is_empty();
+        ensure(are_read, || Fault::line(line, format!("places \"{placed}\""), expected))?;
         let (ids, input) = ([a, b].map(|column| row.text(column).to_owned()), text(input));
         let made = ConnectionDecision { edge, accepted, who, when, comment };
         all.connections.push(ListedDecision { made, line, ids, input, places });

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::reader::{TableReader, is_missing};
+use crate::formats::ensure;
 use willis_core::{error::Fault, support::suggestions::did_you_mean};
 
 /// The options that a subject may have of its own, by the names of the command line, with `_` for `-`.
@@ -51,10 +52,9 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     for (at, column) in rows.header.iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
         let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
         if let Some(option) = OPTIONS.split_whitespace().find(|option| *option == plain) {
-            if options.iter().any(|(_, known)| *known == option) {
-                let found = format!("column \"{column}\": {option} comes twice");
-                return Err(Fault::line(rows.header_line, found, "expected every option once"));
-            }
+            let found = || format!("column \"{column}\": {option} comes twice");
+            let twice = || Fault::line(rows.header_line, found(), "expected every option once");
+            ensure(options.iter().all(|(_, known)| *known != option), twice)?;
             options.push((at, option));
             continue;
         }
@@ -93,10 +93,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
         let (options, covariates) = (own.collect(), said.collect());
         found.push(ManifestRow { line: row.line, subject, input: placed(&path), options, covariates });
     }
-    if found.is_empty() {
-        return Err(Fault::file("no subject", "expected a row for every subject"));
-    }
-    Ok(Some(found))
+    ensure(!found.is_empty(), || Fault::file("no subject", "expected a row for every subject")).map(|()| Some(found))
 }
 
 /// Reads `participants.tsv` of BIDS, or a table like it with a column `subject`: what is said of each participant.

@@ -1,6 +1,7 @@
 //! Reads tables of text row by row, whichever delimiter, line end and number format their program chose.
 
 use super::write::unescape_formula;
+use crate::formats::{ensure, input::refuse_utf16, input::without_mark};
 use willis_core::{error::Fault, network::Scale, support::geometry::Point};
 
 /// Whether a text states that there is no value: it is empty, NaN, or what R, pandas and BIDS write.
@@ -71,17 +72,15 @@ impl<'a> TableReader<'a> {
     }
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
-        crate::formats::input::refuse_utf16(bytes)?;
-        let (mut rest, mut line) = (crate::formats::input::without_mark(bytes), 1);
+        refuse_utf16(bytes)?;
+        let (mut rest, mut line) = (without_mark(bytes), 1);
         let first = loop {
             let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
             let text = rest[..end].trim_ascii();
             if !text.is_empty() && !text.starts_with(b"#") {
                 break text;
             }
-            if end == rest.len() {
-                return Err(Fault::file("the table is empty", "expected a header and rows"));
-            }
+            ensure(end < rest.len(), || Fault::file("the table is empty", "expected a header and rows"))?;
             (rest, line) = (&rest[end + 1..], line + 1);
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;

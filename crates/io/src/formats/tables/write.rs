@@ -124,11 +124,9 @@ pub(crate) fn figures(point: &PathPoint, missing: &str) -> [String; 4] {
 
 /// Checks that every column has one value for each of `rows`.
 pub(crate) fn check_rows(columns: &[Column], rows: usize) -> io::Result<()> {
-    let wrong = columns
-        .iter()
-        .find(|column| column.values.rows() != rows)
-        .map(|column| format!("column {} has {} values for {rows} rows", column.name, column.values.rows()));
-    wrong.map_or(Ok(()), |found| Err(io::Error::new(io::ErrorKind::InvalidInput, found)))
+    columns.iter().find(|column| column.values.rows() != rows).map_or(Ok(()), |Column { name, values }| {
+        Err(crate::formats::refused(format!("column {name} has {} values for {rows} rows", values.rows())))
+    })
 }
 
 /// Writes columns of equal length as CSV with `\n` line ends; NaN is an empty field, infinity is `inf`.

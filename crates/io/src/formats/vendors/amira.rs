@@ -99,10 +99,9 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     let counts = array("EDGE", "NumEdgePoints", 1)?;
     let course = places("EdgePointCoordinates", &array("POINT", "EdgePointCoordinates", 3)?)?;
     let total: f64 = counts.iter().sum();
-    if counts.iter().any(|n| *n < 0.0 || n.fract() != 0.0) || total != course.len() as f64 {
-        let accepted = format!("expected as many as there are points, {}", course.len());
-        return Err(Fault::item("NumEdgePoints", format!("{total} in all"), accepted));
-    }
+    let accepted = || format!("expected as many as there are points, {}", course.len());
+    let is_right = total == course.len() as f64 && counts.iter().all(|n| *n >= 0.0 && n.fract() == 0.0);
+    ensure(is_right, || Fault::item("NumEdgePoints", format!("{total} in all"), accepted()))?;
     ensure(!counts.is_empty(), || Fault::file("no edges", "expected a SpatialGraph with edges"))?;
     let sizes = header.radii(&data, options, &counts)?.unwrap_or_else(|| vec![f64::NAN; course.len()]);
     let sizes: Vec<f64> = sizes.into_iter().map(|radius| scale.length(radius)).collect();

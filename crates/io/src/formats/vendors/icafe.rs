@@ -116,7 +116,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         let of_one_tree = pairs.filter(|(start, end)| lines.strand[*start] == lines.strand[*end]);
         let paths = of_one_tree.map(|(start, end)| path_between(&up, start, end)).filter(|path| !path.is_empty());
         let faults = |path: &Vec<usize>| [vessel.points.is_some_and(|n| n != path.len() + 1), taken[path[0]]];
-        if let Some(path) = paths.min_by_key(faults) {
+        if let Some(path) = paths.clone().find(|path| faults(path) == [false; 2]).or_else(|| paths.min_by_key(faults)) {
             named += 1;
             for link in path {
                 taken[link] = true;

@@ -334,7 +334,7 @@ impl<'a> VtkCursor<'a> {
     fn expect(&mut self, word: &str) -> Result<(), Fault> {
         let found = self.need(word)?;
         let other = || self.fault(format!("\"{}\"", found.escape_debug()), format!("expected {word}"));
-        if found.eq_ignore_ascii_case(word) { Ok(()) } else { Err(other()) }
+        ensure(found.eq_ignore_ascii_case(word), other)
     }
 
     /// The next word as a count that a file can have.

@@ -170,13 +170,13 @@ impl Arrays<'_> {
         } else {
             let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
             let values = bytes.chunks_exact(size);
-            if kind == NumberType::Unsigned && values.clone().any(|bytes| i64::try_from(word(bytes, !self.little)).is_err()) {
-                return Err(fault(array, "a whole number above 2^63 - 1", "expected a smaller one"));
-            }
+            let is_large = |bytes| i64::try_from(word(bytes, !self.little)).is_err();
+            let is_wide = kind == NumberType::Unsigned && values.clone().any(is_large);
+            ensure(!is_wide, || fault(array, "a whole number above 2^63 - 1", "expected a smaller one"))?;
             values.map(|bytes| kind.value(bytes, !self.little)).collect()
         };
-        let other = || fault(array, format!("{} values", found.len()), format!("expected {count}"));
-        if found.len() == count { Ok(found) } else { Err(other()) }
+        ensure(found.len() == count, || fault(array, format!("{} values", found.len()), format!("expected {count}")))?;
+        Ok(found)
     }
 
     /// The first `count` indices of an array.
@@ -274,9 +274,8 @@ impl Arrays<'_> {
             let most = expected.saturating_add(1).min(room as u64);
             (flate2::read::ZlibDecoder::new(block).take(most).read_to_end(&mut out))
                 .map_err(|e| format!("zlib block {n}: {e}"))?;
-            if ((out.len() - before) as u64) < most.min(expected) || (out.len() - before) as u64 > expected {
-                return Err(format!("zlib block {n} does not hold the {expected} bytes announced"));
-            }
+            let holds = (most.min(expected)..=expected).contains(&((out.len() - before) as u64));
+            ensure(holds, || format!("zlib block {n} does not hold the {expected} bytes announced"))?;
             if out.len() == limit {
                 break;
             }
@@ -342,9 +341,7 @@ impl<'a> Source<'a> {
             return Ok(Cow::Borrowed(now));
         }
         let mut bytes = BASE64.decode(now).map_err(|e| format!("not base64: {e}"))?;
-        if bytes.len() < count {
-            return Err(short(bytes.len()));
-        }
+        ensure(bytes.len() >= count, || short(bytes.len()))?;
         bytes.truncate(count);
         Ok(Cow::Owned(bytes))
     }

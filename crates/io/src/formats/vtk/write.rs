@@ -48,17 +48,16 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     writeln!(out, "      </PointData>\n      <CellData>")?;
     for column in vessel_columns {
         let name = crate::formats::escape(&column.name);
-        match &column.values {
-            Values::Real(values) => {
-                array(&mut out, &format!(r#"type="Float64" Name="{name}""#), &reals(&mut values.iter().copied()))?;
-            }
-            Values::Integer(values) => array(&mut out, &format!(r#"type="Int64" Name="{name}""#), &wholes(values))?,
-            Values::Text(values) => {
-                // Every string ends with a zero byte, so it can hold none.
-                let bytes: Vec<u8> = values.iter().flat_map(|s| s.bytes().filter(|b| *b != 0).chain([0])).collect();
-                array(&mut out, &format!(r#"type="String" Name="{name}" NumberOfTuples="{lines}""#), &bytes)?;
-            }
-        }
+        let (attributes, bytes) = match &column.values {
+            Values::Real(values) => (format!(r#"type="Float64" Name="{name}""#), reals(&mut values.iter().copied())),
+            Values::Integer(values) => (format!(r#"type="Int64" Name="{name}""#), wholes(values)),
+            // Every string ends with a zero byte, so it can hold none.
+            Values::Text(values) => (
+                format!(r#"type="String" Name="{name}" NumberOfTuples="{lines}""#),
+                values.iter().flat_map(|s| s.bytes().filter(|b| *b != 0).chain([0])).collect(),
+            ),
+        };
+        array(&mut out, &attributes, &bytes)?;
     }
     writeln!(out, "      </CellData>\n      <Points>")?;
     let coordinates = reals(&mut points.iter().flat_map(|p| p.position).map(millimetres));
@@ -101,7 +100,7 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     let frame = network.frame.name().map_or(String::new(), |name| format!("; {SPACE}={name}"));
     writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm{frame}\nASCII\nDATASET POLYDATA")?;
     writeln!(out, "POINTS {} double", points.len())?;
-    points.iter().try_for_each(|point| reals(&mut out, &point.position.map(millimetres)))?;
+    points.iter().try_for_each(|point| words(&mut out, point.position.map(|x| number(millimetres(x))).iter()))?;
     let entries: usize = lines.iter().map(|line| line.len() + 1).sum();
     writeln!(out, "LINES {} {entries}", lines.len())?;
     for line in &lines {
@@ -110,34 +109,25 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     }
     writeln!(out, "CELL_DATA {}\nFIELD FieldData {}", lines.len(), vessel_columns.len())?;
     for column in vessel_columns {
-        let (name, rows) = (escape(&column.name), lines.len());
-        match &column.values {
-            Values::Real(values) => {
-                writeln!(out, "{name} 1 {rows} double")?;
-                values.iter().try_for_each(|x| reals(&mut out, &[*x]))?;
-            }
+        let (kind, mut rows): (_, Box<dyn Iterator<Item = String> + '_>) = match &column.values {
+            Values::Real(values) => ("double", Box::new(values.iter().map(|x| number(*x)))),
             // The widths of longer types differ from program to program.
             Values::Integer(values) if values.iter().all(|x| i32::try_from(*x).is_ok()) => {
-                writeln!(out, "{name} 1 {rows} int")?;
-                values.iter().try_for_each(|x| writeln!(out, "{x}"))?;
+                ("int", Box::new(values.iter().map(i64::to_string)))
             }
-            Values::Integer(values) => {
-                writeln!(out, "{name} 1 {rows} double")?;
-                values.iter().try_for_each(|x| reals(&mut out, &[*x as f64]))?;
-            }
-            Values::Text(values) => {
-                writeln!(out, "{name} 1 {rows} string")?;
-                values.iter().try_for_each(|text| writeln!(out, "{}", escape(text)))?;
-            }
-        }
+            Values::Integer(values) => ("double", Box::new(values.iter().map(|x| number(*x as f64)))),
+            Values::Text(values) => ("string", Box::new(values.iter().map(escape))),
+        };
+        writeln!(out, "{} 1 {} {kind}", escape(&column.name), lines.len())?;
+        rows.try_for_each(|row| writeln!(out, "{row}"))?;
     }
     writeln!(out, "POINT_DATA {0}\nFIELD FieldData 1\nMaximumInscribedSphereRadius 1 {0} double", points.len())?;
-    points.iter().try_for_each(|point| reals(&mut out, &[millimetres(point.radius)]))?;
+    points.iter().try_for_each(|point| writeln!(out, "{}", number(millimetres(point.radius))))?;
     out.flush()
 }
 
-fn reals(out: &mut impl Write, values: &[f64]) -> io::Result<()> {
-    words(out, values.iter().map(|x| if x.is_nan() { "nan".to_owned() } else { real(*x) }))
+fn number(x: f64) -> String {
+    if x.is_nan() { "nan".to_owned() } else { real(x) }
 }
 
 fn words(out: &mut impl Write, words: impl Iterator<Item = impl std::fmt::Display>) -> io::Result<()> {
