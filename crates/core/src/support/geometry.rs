@@ -41,6 +41,12 @@ pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }
 
+/// How far a box, by its least and its largest coordinates, is from another one, along the axis where that is most; zero where they meet.
+pub fn apart([least, most]: [Point; 2], [low, high]: [Point; 2]) -> f64 {
+    let gap = |k: usize| (least[k] - high[k]).max(low[k] - most[k]).max(0.0);
+    (0..3).map(gap).fold(0.0, f64::max)
+}
+
 /// The mean of some points; zero for none.
 pub fn centroid(points: impl IntoIterator<Item = Point>) -> Point {
     let (mut sum, mut count) = ([0.0; 3], 0_usize);
