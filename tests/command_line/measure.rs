@@ -260,7 +260,7 @@ fn densities_in_a_brain_are_those_by_hand_in_either_frame() {
 #[test]
 fn a_brain_that_does_not_hold_the_vessels_is_refused() {
     let here = folder();
-    fs::write(here.path().join("a.swc"), "1 0 2 2 0 1 -1\n2 0 8 2 0 1 1\n3 0 20 2 0 1 2\n4 0 28 2 0 1 3\n5 0 29 2 0 1 4\n")
+    fs::write(here.path().join("a.swc"), "1 0 2 2 0 1 -1\n2 0 5 2 0 1 1\n3 0 8 2 0 1 2\n4 0 9 2 0 1 3\n5 0 29 2 0 1 4\n")
         .expect("written");
     let run = |middle: [i32; 3]| {
         fs::write(here.path().join("brain.mha"), brain(middle)).expect("written");
@@ -272,7 +272,10 @@ fn a_brain_that_does_not_hold_the_vessels_is_refused() {
     assert!(code == Some(2) && said.contains("brain.mha: does not show the vessels: it lies 241.0 mm beside them"), "{said}");
     let (code, said) = run([0, 0, 8]);
     assert!(code == Some(0) && !said.contains("brain.mha holds"), "{said}");
-    // Those that are 1 end at 1 mm now, while its box holds the whole line.
+    // They end at 4 mm: of five points and two ends the first point is in, which is an end.
+    let (code, said) = run([5, 0, 0]);
+    assert!(code == Some(0) && said.contains("brain.mha holds 28.6 % of the points of the vessels"), "{said}");
+    // Those that are 1 end at 1 mm now, while the line begins within its box.
     let (code, said) = run([8, 0, 0]);
     assert!(code == Some(2) && said.contains("does not show the vessels: most of them lie outside of it"), "{said}");
 }
