@@ -10,7 +10,7 @@ use super::{
 };
 use crate::internals::circle_of_willis::{Artery, RING, present_segments};
 use crate::internals::formats::{is_there, write_csv};
-use crate::internals::output::names::{ACCURACY, RECORD};
+use crate::internals::output::names::{ACCURACY, PHENOTYPE, RECORD};
 use crate::internals::output::{StagedFiles, StagedFolder, read_json};
 use crate::internals::report::cohort::{Figures, phenotype_figures};
 use crate::internals::report::{Segments, accuracy_columns};
@@ -122,6 +122,7 @@ fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
 
 impl Work for ClassifyArgs {
     const FIGURES: fn(&serde_json::Value) -> Figures = phenotype_figures;
+    const READ_AGAIN: &[&str] = &[PHENOTYPE];
 
     fn of(words: &[String]) -> Result<Self> {
         let args: Self = parsed(words)?;

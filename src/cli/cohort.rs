@@ -26,6 +26,9 @@ pub trait Work: Sync + Sized {
     /// The figures of a subject in the table, from its run.json alone, so that one that was done before has the same.
     const FIGURES: fn(&Value) -> Figures;
 
+    /// What other commands read in the folder of each subject: without it one is not done.
+    const READ_AGAIN: &[&str];
+
     /// The same by the words of a command line; refuses options that do not go together.
     fn of(words: &[String]) -> Result<Self>;
 
@@ -207,13 +210,14 @@ impl Cohort<'_> {
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
         clear_leftovers(self.output)?;
-        let is_done = |at: usize| self.record(&subjects[at].name).is_some_and(|record| ledger.stands(at, &earlier, &record));
+        let record_of = |at: usize| whole_record::<W>(&self.output.join(&subjects[at].name));
+        let is_done = |at: usize| record_of(at).is_some_and(|record| ledger.stands(at, &earlier, &record));
         let done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
         let make = |at: usize| self.subject(&subjects[at], work_of(at), terminal.of_many());
         let made = make_each(subjects, &done, ["cohort", "subject"], Some(self.output), make, terminal)?;
-        let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
+        let records: Vec<Option<Value>> = (0..subjects.len()).map(record_of).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
             let failure = made[at].clone().and_then(Result::err);
@@ -272,11 +276,12 @@ impl Cohort<'_> {
         check_files(subject, work.files(&subject.input))?;
         StagedFolder::fill(&self.output.join(&subject.name), false, |folder| work.write(subject, folder, terminal))
     }
+}
 
-    /// The record of a subject that stands.
-    fn record(&self, name: &str) -> Option<Value> {
-        read_json(&self.output.join(name).join(RECORD), "").ok()
-    }
+/// The record of a subject in its folder, where all is there that other commands read.
+pub fn whole_record<W: Work>(folder: &Path) -> Option<Value> {
+    let is_whole = W::READ_AGAIN.iter().all(|file| folder.join(file).is_file());
+    is_whole.then(|| read_json(&folder.join(RECORD), "").ok())?
 }
 
 /// Works on the subjects that are not `done`, several at a time, and says how each went; of each that was not done what was made, or why it

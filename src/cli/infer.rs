@@ -11,13 +11,14 @@ use super::print::inference::{say_circle, say_outcome};
 use super::subjects::{Inputs, Subject, check_output, expand};
 use super::{print::TextTerminal, shell::print_json, signals::listen};
 use crate::internals::formats::{checksum_of_file, write_csv};
+use crate::internals::output::names::{AGREEMENT, EDGES, GRAPH, NODES};
 use crate::internals::output::{StagedFolder, write_error, write_file};
 use crate::internals::pipeline::{RunOptions, require, require_in};
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::{RunRecord, agreement};
 use crate::{
     ArterySource, BoundaryOptions, Error, InferOptions, Keep, Prepared, Preset, Result, SamplingOptions, SaveOptions, Solver,
-    Uncertain, Weight, internals::output::names::AGREEMENT, internals::report::figures::DEFAULT_DPI, prepare,
+    Uncertain, Weight, internals::report::figures::DEFAULT_DPI, prepare,
 };
 
 /// Infer the plausible topology of centerlines or of a candidate graph
@@ -309,6 +310,7 @@ impl Inferences {
 
 impl Work for Inferences {
     const FIGURES: fn(&serde_json::Value) -> Figures = infer_figures;
+    const READ_AGAIN: &[&str] = &[GRAPH, EDGES, NODES];
 
     fn of(words: &[String]) -> Result<Self> {
         let work = Self::new(parsed::<InferArgs>(words)?.inference)?;

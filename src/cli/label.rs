@@ -95,6 +95,7 @@ impl LabelArgs {
 
 impl Work for LabelArgs {
     const FIGURES: fn(&Value) -> Figures = label_figures;
+    const READ_AGAIN: &[&str] = &[LABELLED];
 
     fn of(words: &[String]) -> Result<Self> {
         let args: Self = parsed(words)?;

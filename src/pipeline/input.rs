@@ -6,7 +6,10 @@ use serde_json::Value;
 
 use super::{ArterySource, RunOptions, arteries::FoundArteries, require, require_in};
 use crate::{Cavities, Error, FoundOutlets, LabelScheme, LengthUnit, Network, RadiusFrom, RadiusRule, ReadOptions, Result};
-use willis_core::{error::Fault, network::Origin, network::centerlines::Centerlines, support::geometry::Point};
+use willis_core::network::{Origin, Vessel, centerlines::Centerlines, units::millimetres};
+use willis_core::{
+    error::Fault, error::in_few_digits, support::geometry::Point, support::geometry::apart, support::geometry::bounds,
+};
 use willis_io::formats::{
     Content, Document, Format, FormatTrait, bytes_of, is_there, open_regular, read as read_file, read_bytes as read_file_bytes,
 };
@@ -147,6 +150,16 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
     }
     if let Some(field_of_view) = options.field_of_view {
+        let of = |ends: [usize; 2], vessel: &Vessel| {
+            let nodes = ends.into_iter().filter_map(|node| made.network.node(node).position);
+            apart(bounds(nodes.chain(vessel.path.iter().map(|point| point.position))), field_of_view)
+        };
+        let nearest = made.network.vessels().map(|(ends, vessel)| of(ends, vessel)).fold(f64::INFINITY, f64::min);
+        let away = in_few_digits(format!("{:.1}", millimetres(nearest)));
+        let accepted = format!(
+            "no vessel lies in it, the nearest {away} mm away; expected that of the image, in mm and the frame of the file"
+        );
+        require(nearest == 0.0 || nearest.is_infinite(), "box", "", accepted)?;
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
     }

@@ -10,10 +10,10 @@ use crate::{Error, Network, ReadOptions, Result, SamplingOptions};
 use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
-use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
+use willis_core::support::geometry::{Point, bounds, cross, dot, norm_squared};
 use willis_core::support::{distinct, in_order, list_of, suggestions::did_you_mean};
 use willis_core::{error::Fault, flow::Boundary, network::Role};
-use willis_io::{formats::Column, formats::read_image, masks::Picture};
+use willis_io::{formats::Column, formats::read_image, masks::Picture, masks::Unseen};
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
 /// So many topologies of a run are drawn.
@@ -105,7 +105,7 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     };
     let flat = (!network.has_positions()).then(|| "nodes without positions: no chords, bends, angles and boxes".to_owned());
     notes.extend(flat);
-    let brain = options.brain.as_ref().map(|path| brain(path, &input.options, network)).transpose()?;
+    let brain = options.brain.as_ref().map(|path| brain(path, &input.options, network, &mut notes)).transpose()?;
     let phenotypes = options.phenotypes();
     let found = arteries(input, network, &phenotypes, &mut notes);
     let by_territory = found.as_ref().map(|found| found.circle.arteries_in(network, |_| true).1.territories);
@@ -188,9 +188,9 @@ fn arteries(input: &Input, network: &Network, phenotypes: &PhenotypeOptions, not
     found.ok()
 }
 
-/// The voxels of a mask that are not zero, around a network.
-fn brain(path: &Path, options: &ReadOptions, network: &Network) -> Result<Region> {
-    let (mut image, _) = read_image(path, options)?;
+/// The voxels of a mask that are not zero, around a network; a note where they hold less than half of it.
+fn brain(path: &Path, options: &ReadOptions, network: &Network, notes: &mut Vec<String>) -> Result<Region> {
+    let (mut image, _) = read_image(path, options, network.frame)?;
     image.values.iter_mut().for_each(|x| *x = f32::from(u8::from(*x != 0.0 && x.is_finite())));
     let columns = [0, 1, 2].map(|axis| image.affine.map(|row| row[axis]));
     let voxel = dot(columns[0], cross(columns[1], columns[2])).abs();
@@ -200,11 +200,21 @@ fn brain(path: &Path, options: &ReadOptions, network: &Network) -> Result<Region
     if count == 0 {
         return Err(refused("no voxel above 0"));
     }
-    let points = network.vessels().flat_map(|(_, vessel)| vessel.path.iter().map(|point| point.position));
-    let places = points.chain(network.nodes().filter_map(|node| node.position));
-    let picture = Picture::of(image, bounds(places), 0.0).ok_or_else(|| refused("does not reach the vessels"))?;
+    let places: Vec<Point> = network.places().collect();
+    let (own, around) = (image.bounds(), bounds(places.iter().copied()));
+    let unseen = || refused(&format!("does not show the vessels: {}", Unseen::by(own, around)));
+    let picture = Picture::of(image, around, 0.0).ok_or_else(unseen)?;
+    let holds = move |place: Point| picture.value(place).is_some_and(|x| x >= 0.5);
+    let held = places.iter().filter(|place| holds(**place)).count();
+    if held == 0 {
+        return Err(unseen());
+    }
+    if 2 * held < places.len() {
+        let share = 100.0 * held as f64 / places.len() as f64;
+        notes.push(format!("{} holds {share:.1} % of the points of the vessels", path.display()));
+    }
     let volume = count as f64 * voxel * metres(1.0).powi(3);
-    Ok(Region { volume, step: metres(step), holds: Box::new(move |place| picture.value(place).is_some_and(|x| x >= 0.5)) })
+    Ok(Region { volume, step: metres(step), holds: Box::new(holds) })
 }
 
 impl Measurement {

@@ -8,11 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::{Follow, ModelSource, SourceFile, Step, of_word, require, source_file::ending};
 use crate::{CandidateOptions, Error, Keep, Network, ReadOptions, Result};
 use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
-use willis_core::{
-    flow::Given, network::Origin, network::Role, network::centerlines::Centerlines, support::suggestions::did_you_mean,
-};
+use willis_core::{flow::Given, network::Origin, network::Role, network::centerlines::Centerlines};
+use willis_core::{support::geometry::Point, support::geometry::bounds, support::suggestions::did_you_mean};
 use willis_io::formats::{read_mask, read_prior_csv, read_prior_npy};
-use willis_io::masks::{Field, Foreground, Scene, View};
+use willis_io::masks::{Field, Foreground, Scene, Unseen, View};
 use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
 use willis_models::circle_of_willis::split_where_labels_change;
 use willis_models::contacts::split::{SuggestedCut, suggested_cuts};
@@ -247,10 +246,19 @@ pub(crate) struct CutRecord {
     pub(crate) only_suggested: bool,
 }
 
+/// Why a mask, whose depths are known, does not show vessels: most of their points are further than a voxel outside of its walls.
+fn unseen_in(mask: &Foreground, field: &Field, vessels: &Network) -> Option<Unseen> {
+    let places: Vec<Point> = vessels.places().collect();
+    let inside = places.iter().filter(|place| field.signed(**place) > -field.voxel()).count();
+    (2 * inside < places.len()).then(|| Unseen::by(mask.bounds(), bounds(places)))
+}
+
 /// The model and the mask by which contacts are opened.
 pub(crate) struct Cuts {
     model: Arc<ContactModel>,
     field: Option<Field>,
+    /// What a person should know of the mask: that it does not show the vessels.
+    pub(crate) note: Option<String>,
     pub(crate) record: CutRecord,
 }
 
@@ -271,9 +279,14 @@ impl Cuts {
         if *cut == Cut::Never || (*cut == Cut::Auto && !is_skeleton) || !network.has_positions() {
             return Ok(None);
         }
-        let field = match mask {
-            Some(path) => Foreground::of(&read_mask(path, &ReadOptions::default())?.in_scanner_order()).as_ref().map(Field::of),
-            None => lumen.map(Field::of),
+        let beside =
+            |path: &Path| Ok(Foreground::of(&read_mask(path, &ReadOptions::default(), network.frame)?.in_scanner_order()));
+        let given: Option<Foreground> = mask.map(beside).transpose()?.flatten();
+        let field = given.as_ref().map(Field::of);
+        let unseen = given.zip(field.as_ref()).and_then(|(mask, field)| unseen_in(&mask, field, network));
+        let field = field.filter(|_| unseen.is_none()).or_else(|| lumen.map(Field::of));
+        let said = |(path, why): (&Path, Unseen)| {
+            format!("{} does not show the vessels: {why}; contacts are judged without it", path.display())
         };
         let (model, source) = match cut {
             Cut::File(path) => {
@@ -283,9 +296,9 @@ impl Cuts {
             }
             _ => (ContactModel::shipped()?, ModelSource::Word("shipped".to_owned())),
         };
-        let only_suggested = *cut == Cut::Auto && mask.is_none() && lumen.is_none();
+        let only_suggested = *cut == Cut::Auto && field.is_none();
         let record = CutRecord { model: source, mask: field.is_some(), only_suggested };
-        Ok(Some(Self { model, field, record }))
+        Ok(Some(Self { model, field, note: mask.zip(unseen).map(said), record }))
     }
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{InferOptions, SourceFile, models::LoadedPrior};
-use crate::{Appearance, Error, Network, ReadOptions, Result};
+use super::{InferOptions, Input, SourceFile, models::LoadedPrior};
+use crate::{Appearance, Error, Network, Result};
 use willis_core::{error::Fault, network::Origin, support::geometry::Point, support::geometry::distance};
 use willis_io::masks::{Scene, Unseen, View};
 use willis_io::{formats::read_image, masks::cubes::ImageCube};
@@ -48,19 +48,14 @@ pub(crate) struct ImageRecord {
 }
 
 impl ImageRecord {
-    /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the
-    /// spacing of NumPy's arrays goes by. `None` where none is given.
+    /// Reads the image, and says where it is from, for a prior that looks at images, in the frame of the vessels of an input; the spacing of
+    /// NumPy's arrays goes by how those were read. `None` where none is given.
     ///
     /// # Errors
     ///
     /// Image and probabilities at once, a prior that does not look at images, a ready graph, a file that cannot be read, a value that is no
     /// probability.
-    pub(crate) fn load(
-        options: &InferOptions,
-        prior: &LoadedPrior,
-        input: &ReadOptions,
-        is_fragments: bool,
-    ) -> Result<Option<(Self, View)>> {
+    pub(crate) fn load(options: &InferOptions, prior: &LoadedPrior, input: &Input) -> Result<Option<(Self, View)>> {
         let (name, path) = match (&options.image, &options.probability) {
             (None, None) => return Ok(None),
             (Some(path), None) => ("image", path),
@@ -72,13 +67,13 @@ impl ImageRecord {
         let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
         let ready = "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
         let why = "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
-        if !is_fragments {
+        if !input.is_fragments {
             return refused(ready);
         }
         if prior.noise_of_images().is_none() {
             return refused(why);
         }
-        let (image, sha256) = read_image(path, input)?;
+        let (image, sha256) = read_image(path, &input.options, input.network.frame)?;
         let probabilities = options.probability.is_some();
         let not_one = |x: f32| Fault::item("a voxel", x.to_string(), "expected probabilities from 0 to 1").in_file(path);
         let image = if probabilities { image.log_odds().map_err(not_one)? } else { image };

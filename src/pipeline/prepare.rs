@@ -133,7 +133,7 @@ impl Loaded {
         let prior = chosen.load(kind)?;
         let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
         require(is_fragments || !prior.is_evidence(), "prior", chosen.to_string(), accepted)?;
-        let (image, view) = ImageRecord::load(options, &prior, &input.options, is_fragments)?.unzip();
+        let (image, view) = ImageRecord::load(options, &prior, input)?.unzip();
         let k = options.candidates.k.or(Some(prior.usual_k()));
         let building = CandidateOptions { k, radius_rule: input.options.radius_rule, ..options.candidates.clone() };
         let decisions = options.decisions.as_deref().map(DecisionList::read).transpose()?;
@@ -223,7 +223,7 @@ fn refuse_unused(input: &Input, options: &InferOptions, cuts: Option<&Cuts>) -> 
         return Err(Error::parameter(name, value, accepted));
     }
     options.phenotypes.check_files()?;
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = cuts.into_iter().filter_map(|cuts| cuts.note.clone()).collect();
     if let Some(mask) = options.mask.as_ref().filter(|_| cuts.is_none()) {
         let opened = File::open(mask).and_then(|file| file.take(1).read_to_end(&mut Vec::new()));
         opened.map_err(|source| Error::Read { path: mask.clone(), source })?;

@@ -228,6 +228,10 @@ fn participants_are_made_one_by_one_and_never_twice() {
     refused(&here, &["participant", "-n", "128"], &["sub-01_ses-a", "samples was 64, now 128", "--force"]);
     refused(&here, &["participant", "-n", "64", "--landmarks", "auto"], &["landmarks was not given, now \"auto\""]);
     assert_eq!(fs::read(out.join("runs/sub-02/run.json")).expect("a run"), of_two);
+    // One that lacks a table is not done.
+    fs::remove_file(out.join("runs/sub-02/edges.csv")).expect("removed");
+    let said = participant(&here, &["--participant-label", "02"]);
+    assert!(!said.contains("done already") && out.join("runs/sub-02/edges.csv").is_file(), "{said}");
     let (status, said) = bids(&here, &["participant", "-n", "128", "--participant-label", "02", "--force"]);
     assert!(status == Some(0), "{said}");
     refused(&here, &["group"], &["samples 128, where", "has 64"]);

@@ -194,6 +194,13 @@ fn what_is_done_is_not_done_again() {
     assert_eq!(fs::read(marker(here.path(), "scan1")).expect("a file"), b"untouched");
     assert_eq!(table(here.path()), before);
 
+    // One that lacks what other commands read is made again, with the same bytes.
+    let second = contents(&here.path().join("out/scan2"));
+    fs::remove_file(here.path().join("out/scan2/edges.csv")).expect("there");
+    let output = cohort(here.path(), &inputs, &[]);
+    assert!(stderr(&output).contains("1 of 2 subjects done already"), "{}", stderr(&output));
+    assert_eq!(contents(&here.path().join("out/scan2")), second);
+
     // More inputs go on with it, another content of an input is done again, and so is all of it by force.
     scans(here.path(), &[3]);
     let three = [&inputs[..], &["scan3.swc"]].concat();

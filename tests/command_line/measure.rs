@@ -214,6 +214,72 @@ fn a_run_has_its_circle_over_plausible_topologies_and_densities_in_a_mask() {
     }
 }
 
+/// A mask of 61 x 21 x 21 voxels of 1 mm around `middle` (mm, in LPS as MetaImage has it). Those from -9 to 0 in x and up to -1 in y are 1.
+fn brain(middle: [i32; 3]) -> Vec<u8> {
+    let offset = [middle[0] - 30, middle[1] - 10, middle[2] - 10].map(|x| x.to_string()).join(" ");
+    let head = format!(
+        "ObjectType = Image\nNDims = 3\nBinaryData = True\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = {offset}\n\
+         ElementSpacing = 1 1 1\nDimSize = 61 21 21\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+    );
+    let voxel = |n: i32| u8::from((21..=30).contains(&(n % 61)) && n / 61 % 21 <= 9);
+    [head.into_bytes(), (0..61 * 21 * 21).map(voxel).collect()].concat()
+}
+
+/// A line from 0 to 20 mm to the right, 2 mm in front of the origin: its first 9.5 mm lie in the mask, which has 10 x 10 x 21 mm. The same in each
+/// frame that a file may state, and where the file states none in that of the mask.
+#[test]
+fn densities_in_a_brain_are_those_by_hand_in_either_frame() {
+    let here = folder();
+    let line = |space: &str, sign: i32| {
+        let points =
+            (0..=20).map(|n: i32| format!("{} 0 {} {} 0 1 {}\n", n + 1, sign * n, 2 * sign, if n == 0 { -1 } else { n }));
+        fs::write(here.path().join(format!("{space}.swc")), format!("# SPACE={space}\n{}", points.collect::<String>()))
+            .expect("written");
+    };
+    fs::write(here.path().join("brain.mha"), brain([0; 3])).expect("written");
+    line("RAS", 1);
+    line("LPS", -1);
+    line("none", 1);
+    for name in ["RAS.tre", "RAS.mrk.json", "LPS.vtp", "LPS.graphml"] {
+        done(here.path(), &["convert", &format!("{}.swc", &name[..3]), name]);
+    }
+    let density = |input: &str, more: &[&str]| {
+        done(here.path(), &[&["measure", input, "-o", "out", "--force", "--brain", "brain.mha"], more].concat());
+        let figure = cell(&here.path().join("out/subjects.csv"), 0, "length_density_in_brain_per_mm2");
+        figure.parse::<f64>().expect("a density")
+    };
+    let by_hand = 9.5 / (10.0 * 10.0 * 21.0);
+    for input in ["RAS.swc", "LPS.swc", "none.swc", "RAS.tre", "RAS.mrk.json", "LPS.vtp", "LPS.graphml"] {
+        let found = density(input, &[]);
+        assert!((found / by_hand - 1.0).abs() < 0.06, "{input}: {found} {by_hand}");
+    }
+    fs::rename(here.path().join("none.swc"), here.path().join("a.swc")).expect("renamed");
+    assert_eq!(density("a.swc", &["--frame", "RAS"]), density("RAS.swc", &[]));
+}
+
+#[test]
+fn a_brain_that_does_not_hold_the_vessels_is_refused() {
+    let here = folder();
+    fs::write(here.path().join("a.swc"), "1 0 2 2 0 1 -1\n2 0 5 2 0 1 1\n3 0 8 2 0 1 2\n4 0 9 2 0 1 3\n5 0 29 2 0 1 4\n")
+        .expect("written");
+    let run = |middle: [i32; 3]| {
+        fs::write(here.path().join("brain.mha"), brain(middle)).expect("written");
+        let output = willis(here.path(), &["measure", "a.swc", "-o", "out", "--force", "--brain", "brain.mha"]);
+        (output.status.code(), stderr(&output))
+    };
+    // In RAS its voxels run from 270 to 330 mm; the line ends at 29 mm.
+    let (code, said) = run([-300, 0, 0]);
+    assert!(code == Some(2) && said.contains("brain.mha: does not show the vessels: it lies 241.0 mm beside them"), "{said}");
+    let (code, said) = run([0, 0, 8]);
+    assert!(code == Some(0) && !said.contains("brain.mha holds"), "{said}");
+    // They end at 4 mm: of five points and two ends the first point is in, which is an end.
+    let (code, said) = run([5, 0, 0]);
+    assert!(code == Some(0) && said.contains("brain.mha holds 28.6 % of the points of the vessels"), "{said}");
+    // Those that are 1 end at 1 mm now, while the line begins within its box.
+    let (code, said) = run([8, 0, 0]);
+    assert!(code == Some(2) && said.contains("does not show the vessels: most of them lie outside of it"), "{said}");
+}
+
 #[test]
 fn several_inputs_are_one_below_the_other_and_one_that_fails_is_a_row() {
     let here = folder();

@@ -89,7 +89,10 @@ fn nothing_is_joined_where_vessels_leave_the_image() {
     assert!(run(&[]).0.contains("topology  1 component"));
     let (said, _) = run(&["--box", "-5,-5,-5,14.5,5,5"]);
     assert!(said.contains("3 free ends at the border of the image's box") && said.contains("topology  2 components"), "{said}");
-    let cases = [("1,2,3", "--box 1,2,3: expected six numbers"), ("0,0,0,1,0,1", "--box 0,0,0,1,0,1: expected the least x,y,z")];
+    // The last point is at 31 mm.
+    let beside = ("131,0,0,140,9,9", "--box: no vessel lies in it, the nearest 100.0 mm away; expected that of the image");
+    let cases =
+        [beside, ("1,2,3", "--box 1,2,3: expected six numbers"), ("0,0,0,1,0,1", "--box 0,0,0,1,0,1: expected the least x,y,z")];
     for (given, wanted) in cases {
         let output = willis(here.path(), &["infer", "a.swc", "-o", "o", "--box", given]);
         assert!(output.status.code() == Some(2) && stderr(&output).contains(wanted), "{}", stderr(&output));

@@ -15,9 +15,10 @@ use willis::internals::contacts::partition::{Blocks, PARTITION_FEATURES, SIZES, 
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::{Pairings, split};
 use willis::internals::contacts::{Basis, pair_features};
+use willis::internals::formats::{ReadOptions, read_mask, write_nifti};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{
-    GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, dependents, fragments, if_parted,
+    Frame, GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, dependents, fragments, if_parted,
 };
 use willis::internals::support::geometry::{Point, distance};
 use willis::internals::support::statistics::sigmoid;
@@ -413,6 +414,54 @@ fn without_a_mask_cuts_are_suggested_that_always_would_make() {
     let mut expected: Vec<f64> = cut.map(|row| row["probability"].parse().expect("a probability")).collect();
     expected.sort_by(f64::total_cmp);
     assert_eq!(listed, expected);
+}
+
+/// A scan's own lines, in RAS as masks are, and the same lines with x and y turned round, which is LPS: contacts are the same in each. A mask far
+/// away, or of which hardly a vessel is in the lumen, is as none.
+#[test]
+fn contacts_by_a_mask_are_the_same_in_either_frame_and_a_mask_of_other_vessels_is_told() {
+    let at = folder();
+    let scan = data("scan.nii.gz");
+    assert!(willis(at.path(), &["skeleton", &scan, "-o", "ras.swc"]).status.success());
+    let lines = fs::read_to_string(at.path().join("ras.swc")).expect("lines");
+    fs::write(at.path().join("lps.swc"), mirrored(&lines)).expect("written");
+    for (name, by) in [("far.nii", 300.0), ("near.nii", 6.0)] {
+        let mask = read_mask(scan.as_ref(), &ReadOptions::default(), Frame::Ras).expect("a mask");
+        let mask = Mask { affine: mask.affine.map(|[a, b, c, d]| [a, b, c, d + by]), ..mask };
+        write_nifti(fs::File::create(at.path().join(name)).expect("a file"), &mask, false).expect("written");
+    }
+    let run = |lines: &str, more: &[&str]| {
+        let words =
+            ["infer", lines, "-o", "out", "--force", "--cut", "always", "--prior", "weights:skeleton", "-n", "1", "--dpi", "36"];
+        let ran = willis(at.path(), &[&words[..], more].concat());
+        assert!(ran.status.success(), "{}", stderr(&ran));
+        let contacts = rows(&at.path().join("out")).into_iter().filter(|row| row["origin"] == "contact");
+        let figures: Vec<f64> = contacts.map(|row| row["probability"].parse().expect("a probability")).collect();
+        (figures, stderr(&ran))
+    };
+    let [ras, lps] = ["ras.swc", "lps.swc"].map(|lines| run(lines, &["--mask", &scan]));
+    assert!(ras.0.len() > 2 && lps.0.len() == ras.0.len(), "{} {}", ras.1, lps.1);
+    assert!(ras.0.iter().zip(&lps.0).all(|(a, b)| (a - b).abs() < 1e-6), "{:?} {:?}", ras.0, lps.0);
+    assert!(!ras.1.contains("does not show") && !lps.1.contains("does not show"));
+    let (without, _) = run("ras.swc", &[]);
+    assert_ne!(without, ras.0);
+    for (name, why) in [("far.nii", "it lies "), ("near.nii", "most of them lie outside of it")] {
+        let (found, said) = run("ras.swc", &["--mask", name]);
+        assert!(found == without && said.contains(&format!("{name} does not show the vessels: {why}")), "{said}");
+    }
+}
+
+/// Lines of SWC in RAS with x and y turned round, as their header then says.
+pub fn mirrored(lines: &str) -> String {
+    let turned = |line: &str| {
+        let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        for word in &mut words[2..4] {
+            *word = (-word.parse::<f64>().expect("a coordinate")).to_string();
+        }
+        words.join(" ")
+    };
+    let line = |line: &str| if line.starts_with('#') { line.replace("SPACE=RAS", "SPACE=LPS") } else { turned(line) };
+    lines.lines().map(|text| line(text) + "\n").collect()
 }
 
 /// A model as TOML.

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use willis::internals::candidates::joins::image::ways::cheapest_path;
 use willis::internals::formats::{ReadOptions, read_image, write_nifti_image};
 use willis::internals::masks::{Appearance, Image, Picture, Scene, View};
-use willis::internals::network::Origin;
+use willis::internals::network::{Frame, Origin};
 use willis::internals::support::geometry::{Point, distance};
 use willis::{InferOptions, candidates, read};
 
 use crate::command::{folder, stderr, willis};
+use crate::contacts::mirrored;
 use crate::extracted::extracted;
 use crate::joins::{straight, vessels};
 use crate::refused::refused;
@@ -20,7 +21,7 @@ use crate::refused::refused;
 pub fn scan(here: &Path) -> (PathBuf, Image) {
     let made = willis(here, &["phantom", "tree", "--break", "--spacing", "0.7mm", "-o", "scan.nii.gz", "--image", "image.nii"]);
     assert!(made.status.success(), "{}", stderr(&made));
-    let image = read_image(&here.join("image.nii"), &ReadOptions::default()).expect("an image").0;
+    let image = read_image(&here.join("image.nii"), &ReadOptions::default(), Frame::Unknown).expect("an image").0;
     (here.join("scan.nii.gz"), image)
 }
 
@@ -174,6 +175,25 @@ fn an_image_of_something_else_is_told_and_changes_nothing() {
     assert!(edges == plain && said.contains("it has no values where they are"), "{said}");
 }
 
+/// The same lines in LPS: the image, which is in RAS, shows them as well.
+#[test]
+fn an_image_shows_lines_of_the_other_frame() {
+    let here = folder();
+    scan(here.path());
+    assert!(willis(here.path(), &["skeleton", "scan.nii.gz", "-o", "ras.swc"]).status.success());
+    let lines = fs::read_to_string(here.path().join("ras.swc")).expect("lines");
+    fs::write(here.path().join("lps.swc"), mirrored(&lines)).expect("written");
+    let vessels = |lines: &str, out: &str| {
+        let words = ["infer", lines, "-o", out, "--prior", "weights:skeleton", "--image", "image.nii", "-n", "1", "--dpi", "36"];
+        let done = willis(here.path(), &words);
+        assert!(done.status.success() && !stderr(&done).contains("does not show the vessels"), "{}", stderr(&done));
+        fs::read_to_string(here.path().join(out).join("edges.csv")).expect("a table").lines().count()
+    };
+    // What is measured goes by blocks from another corner.
+    let [ras, lps] = [vessels("ras.swc", "ras"), vessels("lps.swc", "lps")];
+    assert!(ras.abs_diff(lps) * 50 < ras, "{ras} {lps}");
+}
+
 #[test]
 fn an_image_that_cannot_be_looked_at_is_refused() {
     let lines = fs::read(crate::command::data("broken-circle-of-willis.swc")).expect("a file");
@@ -190,7 +210,7 @@ fn an_image_that_cannot_be_looked_at_is_refused() {
 fn the_threshold_of_a_phantom_was_drawn_in_its_image() {
     let here = folder();
     let (mask, image) = scan(here.path());
-    let mask = willis::internals::formats::read_mask(&mask, &ReadOptions::default()).expect("a mask");
+    let mask = willis::internals::formats::read_mask(&mask, &ReadOptions::default(), Frame::Unknown).expect("a mask");
     assert_eq!(mask.shape, image.shape);
     // Of the voxels of vessels only filled holes are below all others; of the background only small specks are above it.
     let values = |class: u8| image.values.iter().zip(&mask.classes).filter(move |(_, c)| **c == class).map(|(x, _)| *x);

@@ -99,6 +99,21 @@ fn the_frames_that_3d_slicer_and_itk_state_are_read() {
     assert_eq!(of("a.vtk", &vtk("3D Slicer output. SPACE=RAS")), Frame::Ras);
     assert_eq!(of("b.vtk", &vtk("3D Slicer output. SPACE=LPS")), Frame::Lps);
     assert_eq!(of("c.vtk", &vtk("vtk output")), Frame::Unknown);
+    // As VTK keeps the array of a VTP, in both versions of its cells; that of the points is another.
+    let cells = ["4.2\n", "5.1\n"].map(|version| {
+        let lines = "LINES 2 2\nOFFSETS vtktypeint64\n0 2\nCONNECTIVITY vtktypeint64\n0 1\n";
+        let lines = if version == "4.2\n" { "LINES 1 3\n2 0 1\n" } else { lines };
+        (version, format!("POINTS 2 float\n0 0 0 1 0 0\n{lines}"))
+    });
+    for (version, cells) in cells {
+        let head = format!("# vtk DataFile Version {version}vtk output\nASCII\nDATASET POLYDATA\n");
+        let space = |word: &str, count: u32| {
+            format!("FIELD FieldData 1\nSPACE 1 {count} string\n{}\n", [word].repeat(count as usize).join("\n"))
+        };
+        assert_eq!(of("d.vtk", &(head.clone() + &space("LPS", 1) + &cells)), Frame::Lps);
+        assert_eq!(of("e.vtk", &(head.clone() + &space("RAS", 1) + &cells)), Frame::Ras);
+        assert_eq!(of("f.vtk", &(head + &cells + "POINT_DATA 2\n" + &space("RAS", 2))), Frame::Unknown);
+    }
     let vtp = |fields: &str| {
         format!(
             "<VTKFile type=\"PolyData\"><PolyData>{fields}<Piece NumberOfPoints=\"2\" NumberOfLines=\"1\"><Points>\

@@ -292,6 +292,7 @@ fn what_is_no_mask_is_refused_in_one_line() {
         ("nan.nii", real(f32::NAN), "voxel 0,0,0: not a number; expected a finite value"),
         ("image.nii", real(117.5), "voxel 0,0,0: 117.5: looks like an image, not a mask; give `level`"),
         ("minus.nii", real(-1.0), "voxel 0,0,0: -1: looks like an image"),
+        ("power.nii", real(2_f32.powi(100)), "voxel 0,0,0: 1.2676506002282294e30: looks like an image"),
         (
             "zero.nii",
             with(Header { pixdim: [1.0, 0.5, 0.0, 0.5], ..plain.clone() }),

@@ -10,6 +10,7 @@ use crate::peers::{python, shared};
 use petgraph::unionfind::UnionFind;
 use willis::internals::formats::{Content, ReadOptions, read, read_mask};
 use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
+use willis::internals::network::Frame;
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::millimetres;
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub};
@@ -396,7 +397,7 @@ fn of_a_mask_of_vessels_the_voxels_of_scikit_image_are_left() {
     let scan = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/scan.nii.gz");
     let Some(out) = python(SHIPPED, &[&scan]) else { return };
     let theirs: BTreeSet<usize> = out.split_whitespace().map(|word| word.parse().expect("a row")).collect();
-    let mask = read_mask(&scan, &ReadOptions::default()).expect("a mask").in_scanner_order();
+    let mask = read_mask(&scan, &ReadOptions::default(), Frame::Unknown).expect("a mask").in_scanner_order();
     let mine: BTreeSet<usize> =
         skeleton(&mask).1.into_iter().map(|[x, y, z]| x + mask.shape[0] * (y + mask.shape[1] * z)).collect();
     let apart = mine.symmetric_difference(&theirs).count();

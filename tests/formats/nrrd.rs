@@ -3,6 +3,7 @@
 use crate::images::{ITK, SHEARLESS, bar, ends, gzip, lines, read, tips};
 use crate::peers::{case, network_of, positions, python, read_first};
 use willis::internals::formats::{Format, ReadOptions, read as read_file, read_image};
+use willis::internals::network::Frame;
 
 /// The header of the bar in LPS, with other lines for some.
 fn header(swaps: &[(&str, &str)]) -> String {
@@ -318,7 +319,7 @@ fn pynrrd_and_simpleitk_write_what_is_read_to_the_same_frame() {
         for (a, b) in found.iter().flatten().zip(tips(affine).iter().flatten()) {
             assert!((a - b).abs() < 2e-3, "{path}: {found:?} {:?}", tips(affine));
         }
-        let (image, _) = read_image(path.as_ref(), &ReadOptions::default()).expect("an image");
+        let (image, _) = read_image(path.as_ref(), &ReadOptions::default(), Frame::Unknown).expect("an image");
         assert_eq!((image.shape, image.values.iter().sum::<f32>()), ([12, 5, 6], 9.0), "{path}");
     }
     assert_eq!(out.lines().count(), 12);

@@ -3,6 +3,7 @@
 use crate::images::{bar, ends, read, tips};
 use crate::peers::{python, read_first};
 use willis::internals::formats::{Format, ReadOptions, read as read_file, read_image};
+use willis::internals::network::Frame;
 use willis::{LengthUnit, Scale};
 
 /// A little-endian TIFF of pages of 12 x 5 pixels of one byte, as they are, the first with a description and 2000 pixels to the unit.
@@ -76,7 +77,7 @@ fn the_spacing_is_that_of_imagej_of_ome_or_of_the_user() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.tif");
         std::fs::write(&path, &bytes).expect("written");
-        let image = read_image(&path, &ReadOptions::default()).expect("an image").0;
+        let image = read_image(&path, &ReadOptions::default(), Frame::Unknown).expect("an image").0;
         for (axis, step) in spacing.iter().enumerate() {
             assert!((image.affine[axis][axis] / step - 1.0).abs() < 1e-9, "{description}: {:?}", image.affine);
         }
@@ -111,7 +112,8 @@ for kind in ["u1", "<u2", ">u2", "u4", "u8", "<f4", ">f4", "f8"]:
     let Some(out) = python(script, &[folder.path()]) else { return };
     let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5, 0.5, 0.75]) };
     for path in out.lines() {
-        let image = read_image(path.as_ref(), &ReadOptions { scale, ..ReadOptions::default() }).expect("an image").0;
+        let image =
+            read_image(path.as_ref(), &ReadOptions { scale, ..ReadOptions::default() }, Frame::Unknown).expect("an image").0;
         let expected: Vec<f32> = bar.iter().map(|value| f32::from(*value)).collect();
         assert_eq!(image.values, expected, "{path}");
     }
@@ -194,7 +196,7 @@ fn tifffile_writes_what_is_read_with_its_spacing() {
         let spacing = [1, 2, 3].map(|at| words[at].parse::<f64>().expect("a number"));
         let found = read_file(words[0].as_ref(), &ReadOptions::default()).unwrap_or_else(|e| panic!("{line}: {e}"));
         assert_eq!(ends(found), tips(frame(spacing)), "{line}");
-        let (image, _) = read_image(words[0].as_ref(), &ReadOptions::default()).expect("an image");
+        let (image, _) = read_image(words[0].as_ref(), &ReadOptions::default(), Frame::Unknown).expect("an image");
         assert_eq!((image.shape, image.values.iter().sum::<f32>()), ([12, 5, 6], 9.0), "{line}");
     }
     println!("{} files", out.lines().count());

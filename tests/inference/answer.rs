@@ -96,6 +96,7 @@ fn every_rule_is_told_and_read_and_followed() {
         ("quantile==", "needs a figure, as in quantile=0.8"),
         ("value", "needs a figure, as in value=1e5"),
         ("reconnect=40%", "expected a number from 0 to 1, such as reconnect=0.4"),
+        ("quantile=1.1", "expected a number from 0 to 1, such as quantile=0.011"),
         ("probable=", "expected probable[=PRICE], "),
         ("probable=50%", "expected probable[=PRICE], "),
         ("probable=2000", "keep probable 2000: expected a number from 0 to 1000"),

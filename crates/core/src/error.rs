@@ -180,7 +180,7 @@ pub enum Error {
 }
 
 /// A number as it is, or by its power of ten where it would have dozens of digits.
-pub(crate) fn in_few_digits(text: String) -> String {
+pub fn in_few_digits(text: String) -> String {
     match text.parse::<f64>() {
         Ok(number) if text.len() > 24 && number.is_finite() => format!("{number:e}"),
         _ => text,

@@ -45,7 +45,7 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
     const KIND: Model = Model::Contacts;
 
     fn new(case: &'a Case) -> Result<Self> {
-        let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
+        let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default(), case.network.frame)).transpose()?;
         let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
         let field = lumen.as_ref().map(Field::of);
         let branches = Branches::new(&case.network);
@@ -59,7 +59,8 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
         if let Some(field) = &field {
             see(Basis::Mask, String::new(), pair_features(&branches, Some(field), None));
             for path in &case.images {
-                see(Basis::Image, image_name(path), pair_features(&branches, Some(field), Some(&shown(path, &extraction)?)));
+                let scene = shown(path, case.network.frame, &extraction)?;
+                see(Basis::Image, image_name(path), pair_features(&branches, Some(field), Some(&scene)));
             }
         }
         Ok(Self { case, branches, joined, classes, seen })

@@ -10,7 +10,7 @@ use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match, found, joiner};
 use willis_core::error::{Fault, Result, require};
 use willis_core::support::{in_order, model_provenance::ModelProvenance};
-use willis_core::{forest_posterior::log_likelihood, network::Network};
+use willis_core::{forest_posterior::log_likelihood, network::Frame, network::Network};
 use willis_io::formats::{ReadOptions, read_image};
 use willis_io::masks::{Appearance, Scene, View};
 use willis_models::candidates::model::{CandidateTable, HeldOutScores, Weights, last_pass};
@@ -169,13 +169,13 @@ pub fn share_of(words: &[&str]) -> f64 {
     digest.iter().take(6).rev().fold(0.0, |x, byte| (x + f64::from(*byte)) / 256.0)
 }
 
-/// The image in a file, around the vessels of an extraction.
+/// The image in a file, around the vessels of an extraction in this frame.
 ///
 /// # Errors
 ///
 /// A file that cannot be read, an image that does not show the vessels.
-pub fn shown(path: &Path, extraction: &Extraction) -> Result<Scene> {
-    let (image, _) = read_image(path, &ReadOptions::default())?;
+pub fn shown(path: &Path, frame: Frame, extraction: &Extraction) -> Result<Scene> {
+    let (image, _) = read_image(path, &ReadOptions::default(), frame)?;
     Scene::new(&extraction.centerlines(), View { image, appearance: Appearance::Auto })
         .map_err(|why| Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path))
 }

@@ -77,7 +77,7 @@ impl<'a> TreeExample<'a> for JoinExample<'a> {
         let table = JoinTable::new(&case.network, SearchOptions::default().branches)?;
         let of_pairs = |pairs: &Pairs| PairTruth::new(&case.truth, &table.extraction, pairs);
         let images = case.images.iter().map(|path| {
-            let scene = shown(path, &table.extraction)?;
+            let scene = shown(path, case.network.frame, &table.extraction)?;
             let image = InImage::new(&table, &scene, None);
             let (truth, noise_share) = (of_pairs(&image.pairs), scene.noise_share);
             Ok(ImageExample { name: image_name(path), truth, image, noise_share })

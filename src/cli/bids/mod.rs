@@ -10,7 +10,9 @@ use dataset::{Choice, Dataset, DatasetMask, MOST, check_labels};
 use derivative::Derivative;
 use serde_json::Value;
 
-use super::cohort::{Cohort, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, make_each, say_notes_of};
+use super::cohort::{
+    Cohort, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, make_each, say_notes_of, whole_record,
+};
 use super::command_line::{LinePart, infer_parts, parts_at_work, with_flags};
 use super::print::{TextTerminal, listed, plural};
 use super::{infer::InferenceArgs, infer::Inferences, shell::print_json, signals::listen, subjects::Subject};
@@ -92,7 +94,7 @@ impl BidsArgs {
         if !without.is_empty() {
             terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter(), MOST)));
         }
-        let record = |run: &MaskRun<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
+        let record = |run: &MaskRun<'_>| whole_record::<Inferences>(&derivative.run(run.mask));
         let is_done = |(run, earlier): (&MaskRun<'_>, &Option<Ledger>)| {
             let stands = earlier.as_ref().zip(record(run));
             !force && stands.is_some_and(|(earlier, record)| run.ledger.stands(0, earlier, &record))

@@ -162,7 +162,8 @@ impl FromStr for Keep {
                 let percent = figure.strip_suffix('%').filter(|_| rule.range == SHARE);
                 let x: f64 = percent.unwrap_or(figure).parse().map_err(|_| unknown())?;
                 if rule.range == SHARE && (percent.is_some() || !(0.0..=1.0).contains(&x)) {
-                    let hint = if (1.0..=100.0).contains(&x) { format!(", such as {word}={}", x / 100.0) } else { String::new() };
+                    let share = (x * 1e4).round() / 1e6;
+                    let hint = if (1.0..=100.0).contains(&x) { format!(", such as {word}={share}") } else { String::new() };
                     return Err(refused(format!("expected a number from 0 to 1{hint}")));
                 }
                 x

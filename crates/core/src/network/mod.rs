@@ -236,6 +236,12 @@ impl Network {
         self.graph.shrink_to_fit();
     }
 
+    /// The places of all nodes, and of the points of all vessels, m.
+    pub fn places(&self) -> impl Iterator<Item = Point> {
+        let points = self.vessels().flat_map(|(_, vessel)| vessel.path.iter().map(|point| point.position));
+        points.chain(self.nodes().filter_map(|node| node.position))
+    }
+
     /// Whether every node has a position.
     pub fn has_positions(&self) -> bool {
         self.nodes().all(|n| n.position.is_some())

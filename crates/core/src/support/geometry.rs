@@ -49,6 +49,12 @@ pub fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
     (share, distance(at, lerp(from, to, share)))
 }
 
+/// How far a box, by its least and its largest coordinates, is from another one, along the axis where that is most; zero where they meet.
+pub fn apart([least, most]: [Point; 2], [low, high]: [Point; 2]) -> f64 {
+    let gap = |k: usize| (least[k] - high[k]).max(low[k] - most[k]).max(0.0);
+    (0..3).map(gap).fold(0.0, f64::max)
+}
+
 /// The mean of some points; zero for none.
 pub fn centroid(points: impl IntoIterator<Item = Point>) -> Point {
     weighted_centroid(points.into_iter().map(|point| (point, 1.0))).unwrap_or_default()

@@ -164,31 +164,34 @@ impl Format {
     }
 }
 
-/// Reads the mask in a file, of any of the formats of masks.
+/// Reads the mask in a file, of any of the formats of masks, into the `frame` of the centerlines that it lies beside.
 ///
 /// # Errors
 ///
 /// A file that cannot be read, holds no mask, or has a fault in its content.
-pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
+pub fn read_mask(path: &Path, options: &ReadOptions, frame: Frame) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
-    let mut mask = format.read_mask(path, &bytes, options)?;
+    let mut other = Vec::new();
+    let stored = format.open_voxels("a mask", path, &bytes, &mut other, options)?;
+    let mut mask = stored.in_frame(frame).mask(options.level, options.max_input)?;
     if options.cavities == Cavities::Fill {
         mask.fill_cavities();
     }
     Ok(mask)
 }
 
-/// Reads the image in a file, of any of the formats of masks, and its SHA-256.
+/// Reads the image in a file, of any of the formats of masks, into the `frame` of the centerlines that it lies beside; and its SHA-256.
 ///
 /// # Errors
 ///
 /// A file that cannot be read, holds no image, or has a fault in its content.
-pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)> {
+pub fn read_image(path: &Path, options: &ReadOptions, frame: Frame) -> Result<(Image, String)> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
-    let image = format.open_voxels("an image", path, &bytes, &mut Vec::new(), options)?.image(options.max_input)?;
-    Ok((image, checksum(&bytes)))
+    let mut other = Vec::new();
+    let stored = format.open_voxels("an image", path, &bytes, &mut other, options)?;
+    Ok((stored.in_frame(frame).image(options.max_input)?, checksum(&bytes)))
 }
 
 /// Refuses a spacing that is given for a mask whose file states another one.

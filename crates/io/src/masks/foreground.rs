@@ -2,7 +2,8 @@
 
 use fixedbitset::{Block, FixedBitSet};
 
-use super::grid::{indices_of, row_at, strides_of};
+use super::grid::{box_between, indices_of, row_at, strides_of};
+use willis_core::support::geometry::Point;
 
 /// Bits of a block.
 const BITS: usize = Block::BITS as usize;
@@ -70,6 +71,14 @@ impl Foreground {
     /// How many voxels there are.
     pub fn count(&self) -> usize {
         self.before.last().map_or(0, |count| *count as usize)
+    }
+
+    /// The box (m) around the middles of its voxels.
+    pub fn bounds(&self) -> [Point; 2] {
+        // The box has a voxel more to every side.
+        let first = self.origin.map(|index| (index + 1) as f64);
+        let last = [0, 1, 2].map(|axis| first[axis] + (self.shape[axis] - 3) as f64);
+        box_between(&self.affine, [first, last])
     }
 
     /// How many voxels the box has.

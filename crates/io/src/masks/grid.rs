@@ -1,6 +1,7 @@
 //! Where the voxels of an image are: in the order in which it holds them, and in space.
 
-use willis_core::support::geometry::{Point, cross, dot, norm};
+use willis_core::network::metres;
+use willis_core::support::geometry::{Point, bounds, cross, dot, norm};
 
 /// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
 pub type Affine = [[f64; 4]; 3];
@@ -23,6 +24,12 @@ pub fn row_at([x, y, _]: [usize; 3], at: [usize; 3]) -> usize {
 /// Steps from a row to the next along each axis, in an image of these lengths.
 pub fn strides_of([x, y, _]: [usize; 3]) -> [usize; 3] {
     [1, x, x * y]
+}
+
+/// The box (m) around the middles of the voxels between two indices.
+pub(super) fn box_between(affine: &Affine, ends: [[f64; 3]; 2]) -> [Point; 2] {
+    let index = |corner: usize| [0, 1, 2].map(|axis| ends[corner >> axis & 1][axis]);
+    bounds((0..8).map(index).map(|at| affine.map(|[a, b, c, d]| metres(a * at[0] + b * at[1] + c * at[2] + d))))
 }
 
 /// The volume between the steps of one voxel.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::grid::{Affine, axes_by_direction, inverse_of, row_at, steps_of, strides_of};
+use super::grid::{Affine, axes_by_direction, box_between, inverse_of, row_at, steps_of, strides_of};
 use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, bounds, dot, norm};
 use willis_core::support::in_chunks;
@@ -41,6 +41,11 @@ impl Image {
             *x = (p / (1.0 - p)).ln();
         }
         Ok(self)
+    }
+
+    /// The box (m) around the middles of its voxels.
+    pub fn bounds(&self) -> [Point; 2] {
+        box_between(&self.affine, [[0.0; 3], self.shape.map(|length| (length - 1) as f64)])
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use fixedbitset::FixedBitSet;
 
 use super::{Image, Picture, image::block_before, indices_of, row_at, strides_of};
-use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
+use willis_core::support::geometry::{Point, apart, bounds, dot, norm, norm_squared};
 use willis_core::{error::ensure, network::millimetres, support::statistics::median};
 
 /// The image is averaged with a Gaussian of so many spacings.
@@ -63,15 +63,25 @@ pub struct ScanCenterlines<'a> {
     pub spacing: f64,
 }
 
-/// Why an image says nothing of the vessels.
+/// Why an image or a mask says nothing of the vessels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unseen {
     /// Its box ends so far (m) from theirs.
     Beside(f64),
     /// It has no value where most of the vessels are.
     Unknown,
+    /// Most of the vessels are outside of what a mask holds.
+    Outside,
     /// The vessels do not stand out: so many standard deviations of what is around them.
     Hidden(f64),
+}
+
+impl Unseen {
+    /// Why a mask does not hold vessels, by the box (m) of its voxels and theirs.
+    pub fn by(mask: [Point; 2], vessels: [Point; 2]) -> Self {
+        let away = apart(mask, vessels);
+        if away > 0.0 { Self::Beside(away) } else { Self::Outside }
+    }
 }
 
 impl fmt::Display for Unseen {
@@ -79,6 +89,7 @@ impl fmt::Display for Unseen {
         match self {
             Self::Beside(away) => write!(f, "it lies {:.1} mm beside them", millimetres(*away)),
             Self::Unknown => f.write_str("it has no values where they are"),
+            Self::Outside => f.write_str("most of them lie outside of it"),
             Self::Hidden(z) => write!(
                 f,
                 "they stand out by {z:.1} standard deviations of what is around them (expected {LEAST_CONTRAST} at least)"
@@ -124,7 +135,7 @@ impl Scene {
         let h = e.spacing;
         let [low, high] = bounds(e.position.iter().copied());
         let wider = [low.map(|x| x - MARGIN * h), high.map(|x| x + MARGIN * h)];
-        let away = apart(&image, [low, high]);
+        let away = apart(image.bounds(), [low, high]);
         let Some(mut picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
         let near = Bits::around(&picture, e, CLEAR * h);
         let lumen = Bits::around(&picture, e, 0.0);
@@ -194,17 +205,6 @@ impl Scene {
         let inside = (0..3).all(|axis| nearest[axis] >= 0.0 && nearest[axis] < shape[axis] as f64);
         inside && self.lumen.has(self.picture.row(nearest.map(|x| x as usize)))
     }
-}
-
-/// How far (m) the box of an image is from a box, along the axis where that is most; zero where they meet.
-fn apart(image: &Image, [low, high]: [Point; 2]) -> f64 {
-    let corner = |n: usize, row: usize| {
-        let far = |axis: usize| if n >> axis & 1 == 1 { (image.shape[axis] - 1) as f64 } else { 0.0 };
-        1e-3 * ((0..3).map(|axis| image.affine[row][axis] * far(axis)).sum::<f64>() + image.affine[row][3])
-    };
-    let [least, most] = bounds((0..8).map(|n| [0, 1, 2].map(|row| corner(n, row))));
-    let gap = |row: usize| (least[row] - high[row]).max(low[row] - most[row]).max(0.0);
-    (0..3).map(gap).fold(0.0, f64::max)
 }
 
 /// One bit for each voxel of a picture.

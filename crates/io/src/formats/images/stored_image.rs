@@ -7,6 +7,7 @@ use super::voxels::Voxels;
 use crate::formats::{counted, ensure, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
+use willis_core::network::Frame;
 use willis_core::support::distinct;
 
 /// What is accepted of an image with more axes than those of space.
@@ -26,6 +27,19 @@ pub(crate) struct StoredImage<'a> {
 }
 
 impl StoredImage<'_> {
+    /// The same in another frame; as it is where one of the two is not known.
+    pub fn in_frame(mut self, to: Frame) -> Self {
+        let Voxels { affine, frame, .. } = &mut self.voxels;
+        for column in 0..4 {
+            let turned = frame.turn(to, affine.map(|row| row[column]));
+            affine.iter_mut().zip(turned).for_each(|(row, x)| row[column] = x);
+        }
+        if frame.is_known() && to.is_known() {
+            *frame = to;
+        }
+        self
+    }
+
     /// Reads a mask, at most `most` bytes of it. From `level` on a voxel is a vessel; without it the values are classes.
     ///
     /// # Errors

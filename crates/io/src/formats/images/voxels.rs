@@ -7,7 +7,7 @@ use crate::formats::{
     ensure,
 };
 use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of, volume_of};
-use willis_core::{error::Fault, network::Frame, support::geometry::norm};
+use willis_core::{error::Fault, error::in_few_digits, network::Frame, support::geometry::norm};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
@@ -181,7 +181,8 @@ impl Voxels {
     }
 
     fn no_class(&self, odd: Odd) -> Fault {
-        Fault::item(self.place(odd.row), format!("{}: looks like an image, not a mask", odd.value), ACCEPTED)
+        let value = in_few_digits(odd.value.to_string());
+        Fault::item(self.place(odd.row), format!("{value}: looks like an image, not a mask"), ACCEPTED)
     }
 
     /// Refuses a frame that is flat, or not finite.

@@ -18,11 +18,11 @@ const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STR
 pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut cursor = VtkCursor { bytes, at: 0, binary: false, section: String::new() };
     let frame = head(&mut cursor)?;
-    let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
+    let mut reader = Reader { cursor, options, data: PolyData::default(), frame, cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
         reader.section(keyword)?;
     }
-    let Reader { mut data, cells: [verts, lines, polygons, strips], .. } = reader;
+    let Reader { mut data, frame, cells: [verts, lines, polygons, strips], .. } = reader;
     let mut notes = check_cells(lines, verts, polygons + strips, "expected LINES")?;
     // Cell data counts vertex cells before lines, wherever they stand in the file.
     for array in &mut data.line_data {
@@ -59,6 +59,8 @@ struct Reader<'a> {
     cursor: VtkCursor<'a>,
     options: &'a ReadOptions,
     data: PolyData,
+    /// As the title states it, else an array of the whole file.
+    frame: Frame,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
     /// Whether arrays belong to the points, or else to the cells, and how many values each has.
@@ -243,6 +245,9 @@ impl Reader<'_> {
     /// Adds an array to those of the points or cells, with its values if they are wanted.
     fn keep(&mut self, name: &str, width: usize, values: ArrayValues) {
         let name = name.trim().to_owned();
+        if let (None, super::SPACE, Frame::Unknown, ArrayValues::Texts(words)) = (self.group, &*name, self.frame, &values) {
+            self.frame = words.first().map_or(Frame::Unknown, |word| Frame::of_word(word));
+        }
         let values = if width == 1 && is_wanted(&name, self.options) { values } else { ArrayValues::Unread };
         if let Some((of_points, _)) = self.group {
             let arrays = if of_points { &mut self.data.point_data } else { &mut self.data.line_data };
