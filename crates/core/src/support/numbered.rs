@@ -34,7 +34,9 @@ pub fn placed(count: usize, given: impl IntoIterator<Item = usize>) -> Vec<usize
 pub fn list_of(count: usize, lists: &[Vec<usize>]) -> Vec<Option<usize>> {
     let mut found = vec![None; count];
     for (list, numbers) in lists.iter().enumerate() {
-        numbers.iter().for_each(|number| found[*number] = Some(list));
+        for number in numbers {
+            found[*number] = Some(list);
+        }
     }
     found
 }

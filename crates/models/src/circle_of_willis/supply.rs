@@ -102,7 +102,7 @@ pub fn supplies(
             destination: *destination,
             fed: if total > 0.0 { fed / total } else { 0.0 },
             shares: [0, 1, 2].map(|feeder| Spread::about_mean(each(&|(shares, _)| shares[feeder]))),
-            arrival: Spread::about_median(each(&|(_, arrival)| *arrival)),
+            arrival: Spread::about_median(&each(&|(_, arrival)| *arrival)),
         }
     };
     destinations.iter().enumerate().map(supply).collect()
@@ -137,7 +137,7 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
 
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
-    pub fn about_median(values: Vec<(f64, f64)>) -> Self {
+    pub fn about_median(values: &[(f64, f64)]) -> Self {
         let quantile = |share| weighted_quantile(values.iter().copied(), share).unwrap_or(f64::NAN);
         Self { middle: quantile(0.5), interval: [quantile(TAIL), quantile(1.0 - TAIL)] }
     }
@@ -147,7 +147,7 @@ impl Spread {
     pub fn about_mean(values: Vec<(f64, f64)>) -> Self {
         let total: f64 = values.iter().map(|(_, weight)| weight).sum();
         let middle = values.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
-        let [low, high] = Self::about_median(values).interval;
+        let [low, high] = Self::about_median(&values).interval;
         Self { middle, interval: [low.min(middle), high.max(middle)] }
     }
 }
