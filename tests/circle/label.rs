@@ -178,6 +178,10 @@ fn names_divide_a_vessel_between_its_points() {
     let here = folder();
     let output = command(here.path(), &["phantom", "cerebral", "--without", "L-P1,R-PComm", "-o", "a.swc"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = fs::read_to_string(here.path().join("a.swc")).expect("read");
+    // Without the names of the arteries, which would divide it.
+    let nameless: String = text.lines().filter(|line| !line.starts_with("# label")).map(|line| format!("{line}\n")).collect();
+    fs::write(here.path().join("a.swc"), nameless).expect("written");
     let mut sparse = read(&here.path().join("a.swc"), &ReadOptions::default()).expect("a circle").network;
     // From where the vertebral arteries meet one vessel is the basilar artery, 29 mm, R-P1, 5 mm, and R-P2. Between 20 and 45 mm it has no point.
     let begins = |at: [f64; 3]| distance(at, [0.0, -0.017, 0.172]) < 1e-4;
