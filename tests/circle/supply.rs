@@ -48,13 +48,13 @@ fn a_fetal_artery_is_fed_by_the_carotid() {
 /// followed as may be.
 #[test]
 fn spreads_and_choices_go_by_weight() {
-    let both = vec![(3.0, 2.0), (1.0, 8.0)];
-    assert_eq!(Spread::about_mean(both.clone()), Spread { middle: 1.4, interval: [1.0, 3.0] });
+    let both = [(3.0, 2.0), (1.0, 8.0)];
+    assert_eq!(Spread::about_mean(&both), Spread { middle: 1.4, interval: [1.0, 3.0] });
     assert_eq!(Spread::about_median(&both), Spread { middle: 1.0, interval: [1.0, 3.0] });
-    let skewed = vec![(1.0, 96.0), (101.0, 4.0)];
-    assert_eq!(Spread::about_mean(skewed.clone()), Spread { middle: 5.0, interval: [1.0, 5.0] });
+    let skewed = [(1.0, 96.0), (101.0, 4.0)];
+    assert_eq!(Spread::about_mean(&skewed), Spread { middle: 5.0, interval: [1.0, 5.0] });
     assert_eq!(Spread::about_median(&skewed), Spread { middle: 1.0, interval: [1.0, 1.0] });
-    assert!(Spread::about_median(&[]).middle.is_nan() && Spread::about_mean(Vec::new()).middle.is_nan());
+    assert!(Spread::about_median(&[]).middle.is_nan() && Spread::about_mean(&[]).middle.is_nan());
     let many: Vec<(Vec<bool>, f64)> = (0..2500).map(|_| (vec![true], 1.0)).collect();
     let chosen = by_weight(&many, MOST_TOPOLOGIES);
     assert!(chosen.len() == MOST_TOPOLOGIES && chosen.iter().all(|(_, weight)| *weight == 1.0));

@@ -97,11 +97,13 @@ pub fn supplies(
         let found: Vec<(ArrivingBlood, f64)> = found.collect();
         // Of none 0, where a sum is -0.
         let fed = found.iter().fold(0.0, |sum, (_, weight)| sum + weight);
-        let each = |of: &dyn Fn(&ArrivingBlood) -> f64| found.iter().map(|(blood, weight)| (of(blood), *weight)).collect();
+        let each = |of: &dyn Fn(&ArrivingBlood) -> f64| -> Vec<(f64, f64)> {
+            found.iter().map(|(blood, weight)| (of(blood), *weight)).collect()
+        };
         Supply {
             destination: *destination,
             fed: if total > 0.0 { fed / total } else { 0.0 },
-            shares: [0, 1, 2].map(|feeder| Spread::about_mean(each(&|(shares, _)| shares[feeder]))),
+            shares: [0, 1, 2].map(|feeder| Spread::about_mean(&each(&|(shares, _)| shares[feeder]))),
             arrival: Spread::about_median(&each(&|(_, arrival)| *arrival)),
         }
     };
@@ -144,10 +146,10 @@ impl Spread {
 
     /// The mean of values with weights, which adds up where they do. What is seldom may bring it out of the interval of the median: the interval
     /// then goes on to it.
-    pub fn about_mean(values: Vec<(f64, f64)>) -> Self {
+    pub fn about_mean(values: &[(f64, f64)]) -> Self {
         let total: f64 = values.iter().map(|(_, weight)| weight).sum();
         let middle = values.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
-        let [low, high] = Self::about_median(&values).interval;
+        let [low, high] = Self::about_median(values).interval;
         Self { middle, interval: [low.min(middle), high.max(middle)] }
     }
 }
