@@ -298,6 +298,16 @@ fn the_ends_that_hold_share_the_total() {
     assert!((all / flow - 1.0).abs() < 1e-14, "{all}");
     // 2³ : 1.2³, as before.
     assert!((terminal(&held, 2) / terminal(&held, 5) / (8.0 / 1.728) - 1.0).abs() < 1e-14);
+    // An outlet that a landmark names shares with them: the ends of gaps that are left take no more than their part.
+    network.node_mut(6).role = Some(Role::Outlet);
+    let named = Boundary::resolve(&network, &[], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
+    assert_eq!((&named.found_outlets[..], &named.named_outlets[..]), (&[1, 2, 4, 5][..], &[6][..]));
+    let named = named.held(&network, |_| true);
+    assert!(named.conditions == held.conditions && !named.is_found(6));
+    // In a file it is stated and stays as it is, and so do the shares of the others.
+    network.node_mut(6).condition = boundary.condition(6);
+    let file = Boundary { found_outlets: vec![1, 2, 4, 5], ..boundary.clone() }.held(&network, |_| true);
+    assert_eq!((file.condition(2), file.condition(6)), (held.condition(2), boundary.condition(6)));
     let given = [inlet(0), Given { condition: Condition::Resistance { resistance: 1e9, venous: 0.0 }, ..outlet(1) }];
     let stated = resolve(&network, &given);
     assert_eq!(stated.held(&network, |_| true), stated);

@@ -58,6 +58,8 @@ pub struct Boundary {
     pub found_inlets: Vec<usize>,
     /// Nodes that became outlets because none was given, in node order, but those that a landmark names: these are stated.
     pub found_outlets: Vec<usize>,
+    /// Outlets that landmarks name, in node order: stated, but with resistances that are shares of the total as those of outlets found.
+    pub named_outlets: Vec<usize>,
 }
 
 /// A found condition that holds only where none of some connections is there.
@@ -129,7 +131,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found.into_iter().filter(|node| !ends.is_named_outlet(*node)).collect();
+            (boundary.named_outlets, boundary.found_outlets) = found.into_iter().partition(|node| ends.is_named_outlet(*node));
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -172,7 +174,8 @@ impl Boundary {
     }
 
     /// The conditions of the topology of the `open` vessels. Found ones at ends that were joined are gone, and so are found outlets of parts
-    /// without an inlet. Found terminal resistances are scaled, so that those left conduct as much side by side as all did before.
+    /// without an inlet. Terminal resistances that are shares of a total are scaled as if all outlets' were, so that those left conduct as much side by
+    /// side as all did before; what a person or a file states stays.
     #[must_use]
     pub fn held(&self, network: &Network, open: impl Fn(usize) -> bool) -> Self {
         let joined: Vec<usize> =
@@ -182,34 +185,40 @@ impl Boundary {
         let fed = parts.holding(self.inlets().filter(|node| holds(*node)));
         let found_outlets: Vec<usize> = self.found_outlets.iter().copied().filter(|node| holds(*node) && fed[*node]).collect();
         let found_inlets: Vec<usize> = self.found_inlets.iter().copied().filter(|node| holds(*node)).collect();
-        let conducts = |nodes: &[usize]| -> f64 {
-            let terminal = |node: &usize| match self.condition(*node) {
-                Some(Condition::Resistance { resistance, .. }) => 1.0 / resistance,
+        let stays = |node: usize| {
+            !self.is_found(node) || found_inlets.binary_search(&node).is_ok() || found_outlets.binary_search(&node).is_ok()
+        };
+        let conducts = |counts: &dyn Fn(usize) -> bool| -> f64 {
+            let outlets = self.conditions.iter().filter(|(node, _)| self.roles[*node] == Role::Outlet && counts(*node));
+            let terminal = |(_, condition): &(usize, Condition)| match condition {
+                Condition::Resistance { resistance, .. } => 1.0 / resistance,
                 _ => 0.0,
             };
-            nodes.iter().map(terminal).sum()
+            outlets.map(terminal).sum()
         };
         let scale = if found_outlets.len() < self.found_outlets.len() {
-            conducts(&found_outlets) / conducts(&self.found_outlets)
+            conducts(&|node| stays(node) && fed[node]) / conducts(&|_| true)
         } else {
             1.0
         };
+        let shares = |node: usize| self.is_found(node) || self.named_outlets.binary_search(&node).is_ok();
         let mut roles = self.roles.clone();
         let mut conditions = self.conditions.clone();
         conditions.retain_mut(|(node, condition)| {
-            if !self.is_found(*node) {
-                return true;
-            }
-            let stays = found_inlets.binary_search(node).is_ok() || found_outlets.binary_search(node).is_ok();
-            if !stays {
+            if !stays(*node) {
                 roles[*node] = Role::Inner;
-            } else if let Condition::Resistance { resistance, .. } = condition {
+                return false;
+            }
+            if let Condition::Resistance { resistance, .. } = condition
+                && shares(*node)
+                && fed[*node]
+            {
                 *resistance *= scale;
                 *condition = condition.as_stored();
             }
-            stays
+            true
         });
-        Self { conditions, roles, found_inlets, found_outlets }
+        Self { conditions, roles, found_inlets, found_outlets, named_outlets: self.named_outlets.clone() }
     }
 
     /// The nodes with a condition where blood enters.

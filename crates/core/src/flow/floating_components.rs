@@ -104,6 +104,7 @@ impl Boundary {
             roles: nodes.iter().map(|node| self.roles[*node]).collect(),
             found_inlets: of(&self.found_inlets),
             found_outlets: of(&self.found_outlets),
+            named_outlets: of(&self.named_outlets),
         };
         Some((part, held, vessels))
     }
