@@ -304,8 +304,8 @@ impl Input {
             let divided = self.divided_by_labels();
             let before = std::mem::replace(&mut self.network, divided);
             self.undivided.get_or_insert(before);
-        } else if let Some(undivided) = &self.undivided {
-            self.network = undivided.clone();
+        } else if let Some(undivided) = self.undivided.take() {
+            self.network = undivided;
         }
         self
     }

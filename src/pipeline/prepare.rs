@@ -28,9 +28,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     options.validate()?;
     let inlets_by_labels = input.inlets_by_labels();
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
-    let input = input.for_arteries(source.as_ref());
     // What is found by labels is divided already, and what is found otherwise shows whether names and labels agree.
     let named_lines = if source.is_none() { input.named_lines() } else { None };
+    let input = input.for_arteries(source.as_ref());
     let loaded = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
     let path = PathBuf::from(&input.provenance.input);
