@@ -7,7 +7,7 @@ use willis_core::network::walks::{runs_by_node, vessels_at};
 use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, units::millimetres};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction, place_at};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
-use willis_core::support::{numbered::placed, statistics::weighted_quantile};
+use willis_core::support::{numbered::placed, statistics::weighted_quantiles};
 
 /// The distance of nodes, mm.
 const STEP: f64 = 1.0;
@@ -146,7 +146,7 @@ impl Nodes {
     /// The median of the logarithms of the radii, by length times `share`.
     pub fn median_log_radius(&self, share: impl Fn(usize) -> f64) -> f64 {
         let weighted = (0..self.len()).map(|n| (self.log_radius[n], self.weight[n] * share(n)));
-        weighted_quantile(weighted, 0.5).unwrap_or(0.0)
+        weighted_quantiles(weighted, [0.5])[0].unwrap_or(0.0)
     }
 
     /// Adds the nodes of a branch; `passed` are the network's nodes along it with the number of their point.
