@@ -98,8 +98,6 @@ struct BranchPoint {
 impl Nodes {
     /// The nodes of a network with positions in a frame; one that is not LPS is taken for RAS.
     pub fn of(network: &Network, frame: Frame) -> Self {
-        let sign = if frame == Frame::Lps { -1.0 } else { 1.0 };
-        let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
         let traced = is_traced(network);
         let vessels_at = vessels_at(network, |row| traced[row]);
         let mut nodes = Self::default();
@@ -109,7 +107,7 @@ impl Nodes {
             let mut passed: Vec<(usize, usize)> = vec![(run.nodes[0], 0)];
             for (vessel, ends) in run.edges.iter().copied().zip(run.nodes.windows(2)) {
                 points.extend(points_of(network, vessel, ends[0]).into_iter().map(|(p, along)| BranchPoint {
-                    at: to_ras(p.position),
+                    at: frame.turn(Frame::Ras, p.position).map(millimetres),
                     radius: millimetres(p.radius),
                     id: p.id,
                     place: VesselPlace { vessel, along },
