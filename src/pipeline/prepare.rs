@@ -125,7 +125,8 @@ impl Loaded {
         let is_fragments = input.is_fragments;
         let kind =
             willis_models::candidates::resample::CenterlineKind::of(input.undivided(), input.format.is_some_and(Format::is_mask));
-        let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), input.undivided(), input.lumen.as_ref(), kind);
+        let (mask, lumen) = (options.mask.as_deref(), input.lumen.as_ref());
+        let load_cuts = || Cuts::load(&options.cut, mask, &input.options, input.undivided(), lumen, kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = refuse_unused(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
