@@ -13,7 +13,7 @@ use crate::internals::phantom::{
     Anatomy, Breaks, Gaps, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
 use crate::{
-    Error, Network, Result, internals::candidates::NEAREST, internals::flow::Boundary, internals::flow::FoundOutlets,
+    Network, Result, internals::candidates::NEAREST, internals::flow::Boundary, internals::flow::FoundOutlets,
     internals::flow::boundary_conditions::stated, internals::formats::convert::Target, internals::network::Origin,
     internals::network::centerlines::Centerlines, internals::network::fragments, internals::output::StagedFiles,
     internals::pipeline::require,
@@ -71,11 +71,11 @@ impl PhantomArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let kind: Anatomy = self.kind.parse()?;
         let recipe = self.recipe(kind)?;
-        if let Some(image) = self.image.as_ref().filter(|image| !is_mask(&self.output) || !is_mask(image)) {
-            return Err(Error::parameter("image", image.display(), "expected .nii.gz or .nii, with an output .nii.gz or .nii"));
-        }
-        if let Some(image) = self.image.as_ref().filter(|image| absolute(image).ok() == absolute(&self.output).ok()) {
-            return Err(Error::parameter("image", image.display(), "is `output`, which is the mask; expected another file"));
+        if let Some(image) = &self.image {
+            let need = |holds: bool, accepted: &str| require(holds, "image", image.display(), accepted);
+            need(is_mask(&self.output) && is_mask(image), "expected .nii.gz or .nii, with an output .nii.gz or .nii")?;
+            let other = absolute(image).ok() != absolute(&self.output).ok();
+            need(other, "is `output`, which is the mask; expected another file")?;
         }
         if is_mask(&self.output) {
             return self.write_mask(kind, &recipe, terminal, force);

@@ -9,7 +9,9 @@ use super::{
 };
 use crate::internals::network::quantity::Dimension;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
+use crate::{
+    BoundaryOptions, Change, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, error::ensure, simulate_with,
+};
 
 const SEVERITY: &str =
     "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";
@@ -106,12 +108,8 @@ fn parse_stenosis(text: &str) -> Result<(String, Change), String> {
     let stretch = place.map(stretch).transpose()?;
     let (of_area, percent) = severity.trim().strip_prefix("area:").map_or((false, severity.trim()), |rest| (true, rest));
     let percent: f64 = percent.strip_suffix('%').and_then(|digits| digits.trim().parse().ok()).ok_or(SEVERITY)?;
-    if percent >= 100.0 {
-        return Err("leaves nothing open; expected a reduction below 100%, or `occlude` to close the vessel".into());
-    }
-    if percent.is_nan() || percent < 0.0 {
-        return Err("expected a reduction from 0% to below 100%".into());
-    }
+    ensure(percent >= 0.0, || "expected a reduction from 0% to below 100%")?;
+    ensure(percent < 100.0, || "leaves nothing open; expected a reduction below 100%, or `occlude` to close the vessel")?;
     let reduction = percent / 100.0;
     let narrowed = if of_area { Stenosis::of_area(reduction) } else { Stenosis::of_diameter(reduction) };
     let over = |(place, length)| Stenosis { stretch: Some(length), place, ..narrowed };

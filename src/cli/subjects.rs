@@ -8,7 +8,7 @@ use super::command_line::{LinePart, is_option, line_of, parts_at_work, row_parts
 use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
 use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::{
-    Error, Result, error::Fault, internals::output::StagedFolder, internals::output::is_cohort_file,
+    Error, Result, error::Fault, error::ensure, internals::output::StagedFolder, internals::output::is_cohort_file,
     internals::support::endings::stem,
 };
 
@@ -214,9 +214,8 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     steps.dedup_by(|(a, _), (b, _)| a == b && a.as_os_str() == "**");
     find(Path::new(""), &steps, &mut files)?;
     files.retain(|path| fits(path) && (path.is_dir() || !text.ends_with('/')));
-    if files.is_empty() {
-        return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));
-    }
+    let why = || refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]"));
+    ensure(!files.is_empty(), why)?;
     files.sort();
     Ok(files)
 }

@@ -8,7 +8,7 @@ use super::{Follow, Step};
 use crate::{Error, FoundOutlets, Network, Result};
 use willis_core::flow::boundary_conditions::{Total, stated};
 use willis_core::network::{Condition, FoundBy, Node, Role, Windkessel, locate};
-use willis_core::{error::Place, flow::Given, network::quantity::Dimension, support::suggestions::did_you_mean};
+use willis_core::{error::Place, error::ensure, flow::Given, network::quantity::Dimension, support::suggestions::did_you_mean};
 use willis_io::{formats::bytes_of, formats::tables::conditions::read_csv, formats::tables::conditions::read_toml};
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
@@ -123,12 +123,10 @@ fn rcr(text: &str) -> Result<(Windkessel, f64, f64), String> {
     let [proximal, compliance, distal] = parts[..] else { return Err(ACCEPTED.into()) };
     let (proximal, distal) = (Dimension::Resistance.parse(proximal)?, Dimension::Resistance.parse(distal)?);
     let compliance = Dimension::Compliance.parse(compliance)?;
-    if proximal < 0.0 || distal < 0.0 || proximal + distal <= 0.0 {
-        return Err("expected resistances that are not negative, and positive together".into());
-    }
-    if compliance <= 0.0 {
-        return Err("expected a positive compliance; an outlet without one is a resistance, NODE=RESISTANCE".into());
-    }
+    let are_resistances = proximal >= 0.0 && distal >= 0.0 && proximal + distal > 0.0;
+    ensure(are_resistances, || "expected resistances that are not negative, and positive together")?;
+    let accepted = "expected a positive compliance; an outlet without one is a resistance, NODE=RESISTANCE";
+    ensure(compliance > 0.0, || accepted)?;
     let windkessel = Windkessel { proximal: Some(proximal), compliance: Some(compliance) };
     Ok((windkessel, proximal + distal, venous))
 }
@@ -200,9 +198,7 @@ fn outlet(value: &str) -> Result<Condition, String> {
     if Dimension::Resistance.has_unit_in(value.split('@').next().unwrap_or_default()) {
         let (resistance, venous) = value.split_once('@').map_or((value, None), |(r, p)| (r, Some(p)));
         let resistance = Dimension::Resistance.parse(resistance)?;
-        if resistance <= 0.0 {
-            return Err("expected a positive resistance".into());
-        }
+        ensure(resistance > 0.0, || "expected a positive resistance")?;
         let venous = venous.map_or(Ok(0.0), |p| Dimension::Pressure.parse(p))?;
         return Ok(Condition::Resistance { resistance, venous });
     }

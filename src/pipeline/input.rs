@@ -136,10 +136,9 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     }
     if let Some(frame) = options.frame {
         let stated = made.network.frame;
-        if stated.is_known() && stated != frame {
-            let (given, own) = (frame.name().unwrap_or_default(), stated.name().unwrap_or_default());
-            return Err(Error::parameter("frame", given, format!("the file states its frame, and its positions are in {own}")));
-        }
+        let (given, own) = (frame.name().unwrap_or_default(), stated.name().unwrap_or_default());
+        let accepted = format!("the file states its frame, and its positions are in {own}");
+        require(!stated.is_known() || stated == frame, "frame", given, accepted)?;
         made.network.frame = frame;
     }
     let classes =
@@ -304,8 +303,8 @@ impl Input {
             let divided = self.divided_by_labels();
             let before = std::mem::replace(&mut self.network, divided);
             self.undivided.get_or_insert(before);
-        } else if let Some(undivided) = &self.undivided {
-            self.network = undivided.clone();
+        } else if let Some(undivided) = self.undivided.take() {
+            self.network = undivided;
         }
         self
     }

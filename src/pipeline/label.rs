@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 
 use super::{ArterySource, Follow, InferOptions, Input, Prepared, classify::plausible, prepare, stage_target};
 use crate::{Network, Result};
-use willis_core::network::units::metres;
+use willis_core::network::{Frame, units::metres};
+use willis_core::support::geometry::Point;
 use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, POSITION_COLUMNS, SURE, coordinate_columns, graph_columns, write_csv,
     write_graphml, write_landmarks,
@@ -95,11 +96,11 @@ impl Labelled {
 
     /// The table of names: a row for about every millimetre.
     fn stage_names(&self, path: &Path, staged: &mut StagedFiles) -> Result<()> {
-        let (names, sign) = (&self.names, self.sign());
+        let names = &self.names;
         let nodes = &names.nodes;
         let best = names.best();
         let real = |name: &'static str, of: &dyn Fn(usize) -> f64| Column::real(name, (0..nodes.len()).map(of));
-        let places = || nodes.at.iter().map(|at| [sign * at[0], sign * at[1], at[2]]);
+        let places = || nodes.at.iter().map(|at| self.in_its_frame(*at));
         let mut columns = coordinate_columns(POSITION_COLUMNS, places).to_vec();
         columns.extend([
             real("radius_mm", &|n| nodes.log_radius[n].exp()),
@@ -116,9 +117,8 @@ impl Labelled {
 
     /// The landmarks: a CSV table, or the point list of 3D Slicer.
     fn stage_landmarks(&self, path: &Path, format: LandmarkFormat, staged: &mut StagedFiles) -> Result<()> {
-        let sign = self.sign();
         let points = self.landmarks.iter().map(|mark| {
-            let at = [sign * mark.at[0], sign * mark.at[1], mark.at[2]].map(metres);
+            let at = self.in_its_frame(mark.at).map(metres);
             MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
         });
         let points: Vec<MarkedPoint> = points.collect();
@@ -182,8 +182,8 @@ impl Labelled {
         staged.write(path, |out| write_csv(out, &columns))
     }
 
-    /// From RAS to the frame of the file, for x and y.
-    fn sign(&self) -> f64 {
-        if self.names.bearings.frame == willis_core::network::Frame::Lps { -1.0 } else { 1.0 }
+    /// A position in RAS in the frame of the file.
+    fn in_its_frame(&self, at: Point) -> Point {
+        Frame::Ras.turn(self.names.bearings.frame, at)
     }
 }

@@ -12,7 +12,7 @@ use willis_core::network::units::{metres, millimetres};
 use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
 use willis_core::support::geometry::{Point, bounds, cross, dot, norm_squared};
 use willis_core::support::{distinct, in_order, list_of, suggestions::did_you_mean};
-use willis_core::{error::Fault, flow::Boundary, network::Role};
+use willis_core::{error::Fault, error::ensure, flow::Boundary, network::Role};
 use willis_io::{formats::Column, formats::read_image, masks::Picture, masks::Unseen};
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
@@ -197,18 +197,14 @@ fn brain(path: &Path, options: &ReadOptions, network: &Network, notes: &mut Vec<
     let count = image.values.iter().filter(|x| **x > 0.0).count();
     let step = 0.5 * columns.iter().map(|column| norm_squared(*column).sqrt()).fold(f64::INFINITY, f64::min);
     let refused = |found: &str| Fault::file(found, "expected a mask of the brain around the vessels").in_file(path);
-    if count == 0 {
-        return Err(refused("no voxel above 0"));
-    }
+    ensure(count > 0, || refused("no voxel above 0"))?;
     let places: Vec<Point> = network.places().collect();
     let (own, around) = (image.bounds(), bounds(places.iter().copied()));
     let unseen = || refused(&format!("does not show the vessels: {}", Unseen::by(own, around)));
     let picture = Picture::of(image, around, 0.0).ok_or_else(unseen)?;
     let holds = move |place: Point| picture.value(place).is_some_and(|x| x >= 0.5);
     let held = places.iter().filter(|place| holds(**place)).count();
-    if held == 0 {
-        return Err(unseen());
-    }
+    ensure(held > 0, unseen)?;
     if 2 * held < places.len() {
         let share = 100.0 * held as f64 / places.len() as f64;
         notes.push(format!("{} holds {share:.1} % of the points of the vessels", path.display()));

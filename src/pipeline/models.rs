@@ -263,7 +263,7 @@ pub(crate) struct Cuts {
 }
 
 impl Cuts {
-    /// What the vessels of an input are cut by, `lumen` being the mask that they come from; `None` where they are not.
+    /// What the vessels of an input, which was read by `read`, are cut by; `lumen` is the mask that they come from; `None` where they are not.
     ///
     /// # Errors
     ///
@@ -271,6 +271,7 @@ impl Cuts {
     pub fn load(
         cut: &Cut,
         mask: Option<&Path>,
+        read: &ReadOptions,
         network: &Network,
         lumen: Option<&Foreground>,
         kind: CenterlineKind,
@@ -279,8 +280,8 @@ impl Cuts {
         if *cut == Cut::Never || (*cut == Cut::Auto && !is_skeleton) || !network.has_positions() {
             return Ok(None);
         }
-        let beside =
-            |path: &Path| Ok(Foreground::of(&read_mask(path, &ReadOptions::default(), network.frame)?.in_scanner_order()));
+        let read = ReadOptions { scale: read.scale, max_input: read.max_input, ..ReadOptions::default() };
+        let beside = |path: &Path| Ok(Foreground::of(&read_mask(path, &read, network.frame)?.in_scanner_order()));
         let given: Option<Foreground> = mask.map(beside).transpose()?.flatten();
         let field = given.as_ref().map(Field::of);
         let unseen = given.zip(field.as_ref()).and_then(|(mask, field)| unseen_in(&mask, field, network));

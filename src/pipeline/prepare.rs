@@ -28,9 +28,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     options.validate()?;
     let inlets_by_labels = input.inlets_by_labels();
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
-    let input = input.for_arteries(source.as_ref());
     // What is found by labels is divided already, and what is found otherwise shows whether names and labels agree.
     let named_lines = if source.is_none() { input.named_lines() } else { None };
+    let input = input.for_arteries(source.as_ref());
     let loaded = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
     let path = PathBuf::from(&input.provenance.input);
@@ -125,7 +125,8 @@ impl Loaded {
         let is_fragments = input.is_fragments;
         let kind =
             willis_models::candidates::resample::CenterlineKind::of(input.undivided(), input.format.is_some_and(Format::is_mask));
-        let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), input.undivided(), input.lumen.as_ref(), kind);
+        let (mask, lumen) = (options.mask.as_deref(), input.lumen.as_ref());
+        let load_cuts = || Cuts::load(&options.cut, mask, &input.options, input.undivided(), lumen, kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = refuse_unused(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };

@@ -14,7 +14,7 @@ use willis_core::network::{Condition, Role, locate};
 use willis_core::simulation::pulse::fourier::{Indices, beyond, coefficients, samples};
 use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, typical, walled};
 use willis_core::simulation::{BothStates, Perturbation, Simulation, perturbed};
-use willis_core::{flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
+use willis_core::{error::ensure, flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
 use willis_report::end_name;
 
 /// What one inlet is driven by.
@@ -46,9 +46,8 @@ impl Waves {
                 None => (inlets.clone(), text.as_str(), false),
                 Some((name, file)) => {
                     let found = locate(network, name).map_err(refused)?;
-                    if !inlets.contains(&found.node) {
-                        return Err(refused(format!("{name} is no inlet; expected one, or `inlet={name}` beside it")));
-                    }
+                    let why = || refused(format!("{name} is no inlet; expected one, or `inlet={name}` beside it"));
+                    ensure(inlets.contains(&found.node), why)?;
                     (vec![found.node], file, true)
                 }
             };

@@ -342,6 +342,21 @@ fn the_drawn_circle_is_named() {
     assert!(right >= 26 && 10 * near >= 8 * ends, "{right} of 28 segments, {near} of {ends} ends");
 }
 
+/// What lies on the midline is at 0 in the frame of the file, which is written without a sign.
+#[test]
+fn no_place_on_the_midline_has_a_sign() {
+    let here = folder();
+    let run = |arguments: &[&str]| assert_eq!(command(here.path(), arguments).status.code(), Some(0));
+    run(&["phantom", "cerebral", "-o", "ras.swc"]);
+    run(&["convert", "ras.swc", "lps.mrk.json"]);
+    run(&["label", "lps.mrk.json", "-o", "named.graphml"]);
+    for file in ["named.names.csv", "named.landmarks.csv"] {
+        let table = fs::read_to_string(here.path().join(file)).expect("a table");
+        let words: Vec<&str> = table.split([',', '\n']).collect();
+        assert!(words.contains(&"0") && !words.contains(&"-0"), "{file}");
+    }
+}
+
 /// A segment of which nothing is seen, nor of what lies at its ends, is out of view if it would lie outside all that is seen; else it is missing.
 #[test]
 fn a_segment_out_of_view_is_not_put_down_as_missing() {

@@ -451,6 +451,30 @@ fn contacts_by_a_mask_are_the_same_in_either_frame_and_a_mask_of_other_vessels_i
     }
 }
 
+/// A mask that states no size of its voxels has that of the lines, which are in voxels: contacts are those by a NIfTI mask that states it.
+#[test]
+fn a_mask_without_a_spacing_has_that_of_the_lines() {
+    let at = folder();
+    let scan = data("scan.nii.gz");
+    let mask = read_mask(scan.as_ref(), &ReadOptions::default(), Frame::Unknown).expect("a mask");
+    let [x, y, z] = mask.shape;
+    let head = format!("{{'descr': '|u1', 'fortran_order': True, 'shape': ({x}, {y}, {z}), }}");
+    let file = [b"\x93NUMPY\x01\x00\x76\x00".as_slice(), format!("{head:117}\n").as_bytes(), &mask.classes].concat();
+    fs::write(at.path().join("mask.npy"), file).expect("written");
+    let mm = [0, 1, 2].map(|axis| [0, 1, 2, 3].map(|column| if column == axis { 0.6 } else { 0.0 }));
+    write_nifti(fs::File::create(at.path().join("mask.nii")).expect("a file"), &Mask { affine: mm, ..mask }, false)
+        .expect("written");
+    assert!(willis(at.path(), &["skeleton", "mask.npy", "--spacing", "1", "-o", "voxels.swc"]).status.success());
+    let [without, with] = [("mask.npy", "a"), ("mask.nii", "b")].map(|(mask, out)| {
+        let words = ["infer", "voxels.swc", "--units", "voxel", "--spacing", "0.6", "--mask", mask, "--cut", "always", "-o", out];
+        let ran = willis(at.path(), &[&words[..], &["-n", "1", "--dpi", "36"]].concat());
+        assert!(ran.status.success() && !stderr(&ran).contains("does not show"), "{}", stderr(&ran));
+        let contacts = rows(&at.path().join(out)).into_iter().filter(|row| row["origin"] == "contact");
+        contacts.map(|row| row["probability"].clone()).collect::<Vec<_>>()
+    });
+    assert!(without.len() > 2 && without == with, "{without:?} {with:?}");
+}
+
 /// Lines of SWC in RAS with x and y turned round, as their header then says.
 pub fn mirrored(lines: &str) -> String {
     let turned = |line: &str| {

@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 use super::interruptions::Stations;
 use super::tube::{DrawnTube, VoxelGrid, veins};
 use super::{check_positions, check_range, truth::MaskTruth};
-use willis_core::error::{Error, Result, require};
+use willis_core::error::{Error, Result, ensure, require};
 use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::{Point, bounds, dot, gamma::Gamma, median, random, random::stream};
 use willis_io::masks::{Image, Mask};
@@ -147,10 +147,7 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
 /// Refuses voxels so small that the stations along the vessels alone are too many.
 fn check_steps(network: &Network, voxel: f64) -> Result<()> {
     let length: f64 = network.vessels().map(|(_, vessel)| millimetres(vessel.length)).sum();
-    if length / voxel <= MOST_VOXELS as f64 {
-        return Ok(());
-    }
-    Err(too_small(voxel, &format!("{length:.0} mm of vessels")))
+    ensure(length / voxel <= MOST_VOXELS as f64, || too_small(voxel, &format!("{length:.0} mm of vessels")))
 }
 
 fn too_small(voxel: f64, what: &str) -> Error {

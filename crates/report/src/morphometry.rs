@@ -157,8 +157,8 @@ fn spread(values: &[(f64, f64)]) -> [f64; 3] {
     let known = || values.iter().copied().filter(|(x, _)| x.is_finite());
     let total: f64 = known().map(|(_, weight)| weight).sum();
     let mean = known().map(|(x, weight)| x * weight).sum::<f64>() / total;
-    let quantile = |share| willis_core::support::statistics::weighted_quantile(known(), share).unwrap_or(f64::NAN);
-    [mean, quantile(0.025), quantile(0.975)]
+    let [low, high] = willis_core::support::weighted_quantiles(known(), [0.025, 0.975]).map(|x| x.unwrap_or(f64::NAN));
+    [mean, low, high]
 }
 
 fn finite(x: f64) -> f64 {

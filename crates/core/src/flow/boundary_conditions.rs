@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, ensure, require};
 use crate::network::units::cubic_metres_per_second;
 use crate::network::{Condition, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::ties::{compare, near_zero, steady};
@@ -105,17 +105,13 @@ impl Boundary {
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
             let inlets = ends.inlets(known, !sinks && boundary.found_outlets.is_empty());
-            if inlets.is_empty() {
-                return Err(none("inlet", &ends, sinks));
-            }
+            ensure(!inlets.is_empty(), || none("inlet", &ends, sinks))?;
             boundary.find(&inlets, Role::Inlet, |_| Condition::INLET);
             boundary.found_inlets = inlets;
         }
         if !sinks && boundary.found_outlets.is_empty() {
             let found: Vec<usize> = ends.nodes.iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
-            if found.is_empty() {
-                return Err(none("outlet", &ends, true));
-            }
+            ensure(!found.is_empty(), || none("outlet", &ends, true))?;
             let cube = |node: usize| ends.radius[node].powi(3);
             let total: f64 = found.iter().map(|node| cube(*node)).sum();
             let pressure = boundary.conditions.iter().filter_map(|(_, c)| c.pressure()).fold(0.0, f64::max);
@@ -137,10 +133,8 @@ impl Boundary {
         for (_, condition) in &mut boundary.conditions {
             *condition = condition.as_stored();
         }
-        if boundary.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_))) {
-            let accepted = "expected a pressure or a resistance at one node at least";
-            return Err(Error::parameter("conditions", "are flows only", accepted));
-        }
+        let are_flows = boundary.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_)));
+        require(!are_flows, "conditions", "are flows only", "expected a pressure or a resistance at one node at least")?;
         Ok(boundary)
     }
 

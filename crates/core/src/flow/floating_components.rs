@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::{Boundary, Circuit};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::network::{Condition, Fragments, Network, Role, fragments};
 use crate::support::{grouped, placed};
 
@@ -51,14 +51,10 @@ pub fn parts_that_carry(parts: &Fragments, boundary: &Boundary) -> Vec<bool> {
 ///
 /// No connected part of the network has an inlet and an outlet at different pressures, or a flow and an outlet.
 pub fn drives_flow(network: &Network, boundary: &Boundary) -> Result<()> {
-    if parts_that_carry(&fragments(network, |_, _| true), boundary).contains(&true) {
-        return Ok(());
-    }
-    Err(Error::parameter(
-        "boundary conditions",
-        "drive no flow",
-        "expected an inlet and an outlet at different pressures (or a flow and an outlet) in one connected part of the network",
-    ))
+    let accepted =
+        "expected an inlet and an outlet at different pressures (or a flow and an outlet) in one connected part of the network";
+    let carries = parts_that_carry(&fragments(network, |_, _| true), boundary).contains(&true);
+    require(carries, "boundary conditions", "drive no flow", accepted)
 }
 
 /// What becomes of vessels to which no inlet leads.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{Error, Result};
+use crate::error::{Result, require};
 use crate::network::{Network, Vessel, units::centipoise};
 
 /// Dynamic viscosity of whole blood in large vessels, Pa s (3.5 cP).
@@ -14,10 +14,8 @@ pub const BLOOD_VISCOSITY: f64 = 3.5e-3;
 ///
 /// Names the option, the value and what is accepted.
 pub fn check_viscosity(viscosity: f64) -> Result<()> {
-    if viscosity.is_normal() && viscosity > 0.0 {
-        return Ok(());
-    }
-    Err(Error::parameter("viscosity", centipoise(viscosity), "expected a positive number of cP"))
+    let is_positive = viscosity.is_normal() && viscosity > 0.0;
+    require(is_positive, "viscosity", centipoise(viscosity), "expected a positive number of cP")
 }
 
 /// R = 8µl/(πr⁴), Pa s/m³, of a tube of length `length` (m) and radius `radius` (m) at `viscosity` (Pa s).

@@ -18,7 +18,7 @@ pub(crate) mod marginals;
 pub use arborescence::arborescence;
 pub use marginals::{MOST_PAIRS, Marginals, is_tangle, log_likelihood, marginals, rooted_in};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 
 /// The largest absolute log weight: products of e^±100 neither vanish nor overflow.
 pub const MOST_LOG_WEIGHT: f64 = 100.0;
@@ -51,9 +51,7 @@ impl Forests {
     pub fn new(log_roots: Vec<f64>, edges: Vec<Edge>) -> Result<Self> {
         let fragments = log_roots.len();
         let size = fragments.max(edges.len());
-        if size >= 1 << 31 {
-            return Err(Error::parameter("fragments or edges", size, "fewer than 2147483648"));
-        }
+        require(size < 1 << 31, "fragments or edges", size, "fewer than 2147483648")?;
         let wild = |log_weight: f64| log_weight.is_nan() || log_weight.abs() > MOST_LOG_WEIGHT;
         if let Some((fragment, log_weight)) = log_roots.iter().enumerate().find(|(_, w)| wild(**w)) {
             let accepted = format!("a number from -{MOST_LOG_WEIGHT} to {MOST_LOG_WEIGHT}");

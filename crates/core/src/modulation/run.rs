@@ -12,7 +12,7 @@ use std::{f64::consts::PI, fmt};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, ensure, require};
 use crate::flow::pressures::{Check, MOST_BACKWARD};
 use crate::flow::{
     BLOOD_VISCOSITY, BatchSolver, Boundary, Circuit, Factors, Tube, Unfed, check_viscosity, drives_flow, grounded, stranded,
@@ -84,9 +84,7 @@ pub fn modulate(
     let tasks = 0..blocks * params.classes.len() as u64;
     let solved: Vec<Result<Instances>> = tasks.into_par_iter().map_init(|| job.solver.workspace(), solve_block).collect();
     let done = listener.lock().unwrap_or_else(PoisonError::into_inner).0;
-    if done < total && stop.load(Ordering::Relaxed) {
-        return Err(Error::Stopped { done, total });
-    }
+    ensure(done >= total || !stop.load(Ordering::Relaxed), || Error::Stopped { done, total })?;
     let mut classes: Vec<(Class, Instances)> = params.classes.iter().map(|class| (*class, Instances::default())).collect();
     for (task, block) in solved.into_iter().enumerate() {
         classes[task / blocks as usize].1.append(block?);
@@ -390,24 +388,17 @@ impl ModulationOptions {
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
         let count = self.classes.len();
-        if count == 0 || count > MOST_CLASSES {
-            return Err(Error::parameter("classes", format!("of {count}"), format!("expected 1 to {MOST_CLASSES} classes")));
-        }
+        let accepted = format!("expected 1 to {MOST_CLASSES} classes");
+        require((1..=MOST_CLASSES).contains(&count), "classes", format!("of {count}"), accepted)?;
         for (at, class) in self.classes.iter().enumerate() {
             let refused = |why: &str| Error::parameter("classes", class, why);
             if class.low >= class.high {
                 return Err(refused("the class ends before it begins; expected LOW:HIGH with 0 <= low < high < 1"));
             }
-            if !(class.low >= 0.0 && class.high < 1.0) {
-                return Err(refused("expected LOW:HIGH with 0 <= low < high < 1"));
-            }
-            if self.classes[..at].contains(class) {
-                return Err(refused("given twice; expected each class once"));
-            }
+            ensure(class.low >= 0.0 && class.high < 1.0, || refused("expected LOW:HIGH with 0 <= low < high < 1"))?;
+            ensure(!self.classes[..at].contains(class), || refused("given twice; expected each class once"))?;
         }
-        if self.samples == 0 || self.samples > MOST_SAMPLES {
-            return Err(Error::parameter("samples", self.samples, "expected a number from 1 to 2^24"));
-        }
+        require((1..=MOST_SAMPLES).contains(&self.samples), "samples", self.samples, "expected a number from 1 to 2^24")?;
         check_viscosity(self.viscosity)
     }
 }

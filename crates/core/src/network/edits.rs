@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::path_places::length_of;
 use super::{Evidence, Frame, LengthsAt, Network, Node, Origin, PathPoint, ShortestPaths, Vessel, lengths_at, millimetres};
-use crate::error::in_few_digits;
+use crate::error::{ensure, in_few_digits};
 use crate::support::{Point, distance, lerp, onto};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
@@ -125,9 +125,7 @@ impl GraphEditor {
         }
         let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
         let (away, row, _) = least.ok_or("the graph has no vessel")?;
-        if self.nodes.iter().any(|node| node.position.is_none()) {
-            return Err("the nodes have no coordinates".to_owned());
-        }
+        ensure(self.nodes.iter().all(|node| node.position.is_some()), || "the nodes have no coordinates".to_owned())?;
         if away > REACH.max(self.vessels[row].1.radius) {
             let (away, reach) = (in_few_digits(format!("{:.1}", millimetres(away))), millimetres(REACH));
             let place = text_of(&[place]);
@@ -215,9 +213,7 @@ impl GraphEditor {
 
     fn join(&mut self, way: &[MmPoint]) -> Result<(), String> {
         let ends = [self.node_at(way[0])?, self.node_at(way[way.len() - 1])?];
-        if ends[0] == ends[1] {
-            return Err("both ends are one place; expected two".to_owned());
-        }
+        ensure(ends[0] != ends[1], || "both ends are one place; expected two".to_owned())?;
         self.connect(ends, &way[1..way.len() - 1]);
         Ok(())
     }

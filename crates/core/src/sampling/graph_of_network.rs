@@ -10,7 +10,7 @@ use super::{SamplingOptions, choose_solver};
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::{BatchSolver, Circuit, drops::Drops, resilience, resilience_per_square_drop, resilience_per_square_flow};
 use crate::flow::{batch::reduction::Reduction, circuit::beyond_doubles};
-use crate::{error::Result, network::Network, support::simd::InstructionSet};
+use crate::{error::Result, error::ensure, network::Network, support::simd::InstructionSet};
 
 impl SampledGraph {
     /// Reduces a circuit whose `certain` vessels are open in every sample, and prepares its samples.
@@ -147,9 +147,7 @@ impl SampledGraph {
                     squared * resilience_per_square_flow(params.viscosity, vessel.radius)
                 }
             };
-            if chain.is_some() && !factor.is_normal() {
-                return Err(beyond_doubles(network, row, "resilience"));
-            }
+            ensure(chain.is_none() || factor.is_normal(), || beyond_doubles(network, row, "resilience"))?;
             rows.push(RowFlow {
                 conductance: None,
                 factor,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::flow::{BLOOD_VISCOSITY, Boundary, boundary_conditions::Provisional, check_viscosity};
 use crate::network::{Network, Origin, Role, Vessel};
 use crate::perturbation::{Enumeration, MOST_UNCERTAIN, Occlusion};
@@ -183,12 +183,9 @@ impl SamplingOptions {
     ///
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        if !(0.0..1.0).contains(&self.epsilon) {
-            return Err(Error::parameter("epsilon", self.epsilon, "expected a probability, 0 <= epsilon < 1"));
-        }
-        if self.samples == 0 || self.samples > 1 << 50 {
-            return Err(Error::parameter("samples", self.samples, "expected a number from 1 to 2^50"));
-        }
+        let accepted = "expected a probability, 0 <= epsilon < 1";
+        require((0.0..1.0).contains(&self.epsilon), "epsilon", self.epsilon, accepted)?;
+        require((1..=1 << 50).contains(&self.samples), "samples", self.samples, "expected a number from 1 to 2^50")?;
         check_viscosity(self.viscosity)
     }
 }

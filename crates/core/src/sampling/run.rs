@@ -13,7 +13,7 @@ use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES};
 use super::coins::{Block, MAX_VESSELS};
 use super::{Coins, DyadicSums, Likelihood, Method, PartialRun, SamplingOptions, Solver, Sums, options::Patterns};
 use super::{reference::Reference, sampled_graph::SampledGraph};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::flow::{Boundary, Circuit, Tube};
 use crate::{network::Network, support::random::BLOCK};
 
@@ -83,9 +83,8 @@ impl Sampling {
     /// can count.
     pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
         params.validate()?;
-        if network.vessel_count() >= MAX_VESSELS {
-            return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
-        }
+        let vessels = network.vessel_count();
+        require(vessels < MAX_VESSELS, "vessels", vessels, format!("expected fewer than {MAX_VESSELS}"))?;
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let provisional = params.provisional(network, boundary);

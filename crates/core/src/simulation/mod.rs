@@ -4,7 +4,7 @@
 pub mod pulse;
 pub mod transport;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, require};
 use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube, check_viscosity, drives_flow, state::State};
 use crate::network::{Network, Role, millimetres};
 use crate::{perturbation::Stenosis, support::in_order, support::ties::largest_first};
@@ -90,14 +90,11 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
     let mut lengths: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.length).collect();
     for (at, Perturbation { vessel, change }) in perturbations.iter().enumerate() {
         let same = |p: &&Perturbation| p.vessel == *vessel && p.change.field() == change.field();
-        if perturbations[..at].iter().any(|p| same(&p)) {
-            let accepted = "is given twice; expected one perturbation of a kind on a vessel";
-            return Err(Error::parameter(change.field(), network.vessel_name(*vessel), accepted));
-        }
+        let accepted = "is given twice; expected one perturbation of a kind on a vessel";
+        require(!perturbations[..at].iter().any(|p| same(&p)), change.field(), network.vessel_name(*vessel), accepted)?;
         if let Change::Tortuosity(factor) = change {
-            if !(factor.is_finite() && *factor >= 1.0) {
-                return Err(Error::parameter("tortuosity", factor, "expected a factor of length of at least 1"));
-            }
+            let accepted = "expected a factor of length of at least 1";
+            require(factor.is_finite() && *factor >= 1.0, "tortuosity", factor, accepted)?;
             lengths[*vessel] *= factor;
             let longer = Factors { resistance: *factor, volume: *factor, length: *factor, ..Factors::ONE };
             tubes[*vessel] = tubes[*vessel].times(&longer);
@@ -110,11 +107,9 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
             Change::Occlusion => tube.resistance = f64::INFINITY,
             Change::Stenosis(stenosis) => {
                 let (open, length) = (stenosis.open_diameter, lengths[*vessel]);
-                if !(open > 0.0 && open <= 1.0) {
-                    let reduction = format!("{}%", 100.0 * (1.0 - open));
-                    let accepted = "expected a reduction from 0% to below 100%; 100% is an occlusion";
-                    return Err(Error::parameter("stenosis", reduction, accepted));
-                }
+                let reduction = format!("{}%", 100.0 * (1.0 - open));
+                let accepted = "expected a reduction from 0% to below 100%; 100% is an occlusion";
+                require(open > 0.0 && open <= 1.0, "stenosis", reduction, accepted)?;
                 if let Some(stretch) = stenosis.stretch.filter(|stretch| !(*stretch > 0.0 && *stretch <= length)) {
                     let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(*vessel));
                     let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));

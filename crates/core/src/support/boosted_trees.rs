@@ -4,7 +4,7 @@ use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
 use super::{suggestions::did_you_mean, toml_text::finite};
-use crate::error::Fault;
+use crate::error::{Fault, ensure};
 
 /// A sum of trees.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -53,10 +53,7 @@ pub fn check_features(place: &str, found: &[String], names: &[impl AsRef<str>]) 
         let meant = if is_known { String::new() } else { did_you_mean(have, names.iter().copied()) };
         return Err(Fault::item(place, format!("\"{have}\""), format!("{meant}expected {expected} in this place")));
     }
-    if found.len() != names.len() {
-        return Err(Fault::item(place, found.len().to_string(), format!("expected {}", names.len())));
-    }
-    Ok(())
+    ensure(found.len() == names.len(), || Fault::item(place, found.len().to_string(), format!("expected {}", names.len())))
 }
 
 /// Features beyond this say no more.

@@ -27,7 +27,7 @@ pub use geometry::{
     straightest, sub, unit, weighted_centroid,
 };
 pub use numbered::{counted, grouped, list_of, marked, placed};
-pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantile};
+pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantiles};
 
 use rayon::prelude::*;
 

@@ -16,17 +16,20 @@ pub fn quantile_of_sorted(sorted: &[f64], q: f64) -> Option<f64> {
     Some(sorted[low] + share * (sorted[high] - sorted[low]))
 }
 
-/// The least of some values, each with a weight, that values of so great a share of the weight do not exceed; `None` without values.
-pub fn weighted_quantile(values: impl Iterator<Item = (f64, f64)>, share: f64) -> Option<f64> {
+/// For each share the least of some values, each with a weight, that values of so great a share of the weight do not exceed; `None` without
+/// values.
+pub fn weighted_quantiles<const N: usize>(values: impl Iterator<Item = (f64, f64)>, shares: [f64; N]) -> [Option<f64>; N] {
     let mut sorted: Vec<(f64, f64)> = values.collect();
     let total: f64 = sorted.iter().map(|(_, weight)| weight).sum();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut sum = 0.0;
-    let found = sorted.iter().find(|(_, weight)| {
-        sum += weight;
-        sum >= share * total
-    });
-    found.map(|(value, _)| *value)
+    shares.map(|share| {
+        let mut sum = 0.0;
+        let found = sorted.iter().find(|(_, weight)| {
+            sum += weight;
+            sum >= share * total
+        });
+        found.map(|(value, _)| *value)
+    })
 }
 
 /// σ(x) = 1/(1 + e^-x), the logistic function: the probability of log-odds x.

@@ -3,7 +3,7 @@
 use super::arteries::{Artery, BodySide};
 use super::labels::{MeantArteries, meaning_of};
 use super::segments_by_landmarks::Points;
-use willis_core::error::{Fault, Place};
+use willis_core::error::{Fault, Place, ensure};
 use willis_core::network::{Frame, NearestNode, Network, Origin, REACH, nearest_node, units::millimetres};
 use willis_core::support::geometry::{Point, onto};
 use willis_core::support::suggestions::did_you_mean;
@@ -258,9 +258,7 @@ pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<
     let at = landmark.position;
     let unplaced = || Fault::file("the nodes have no coordinates", "expected positions, or vessels with labels and no landmarks");
     let away = distance_to_lines(network, at);
-    if away.is_infinite() {
-        return Err(unplaced());
-    }
+    ensure(!away.is_infinite(), unplaced)?;
     if away > REACH {
         return Err(Fault::at(
             landmark.place.clone(),

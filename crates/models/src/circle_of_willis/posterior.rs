@@ -8,7 +8,7 @@ use super::arteries::{Artery, BodySide, RING, Variant};
 use super::circle::Circle;
 use super::labels::{LabelScheme, artery_of_label};
 use willis_core::decision::Topologies;
-use willis_core::error::{Fault, Result};
+use willis_core::error::{Fault, Result, ensure};
 use willis_core::network::{Network, Origin};
 use willis_io::formats::tables::reader::TableReader;
 
@@ -261,9 +261,8 @@ impl VariantFrequencies {
         let mut table = vec![0.0; 1 << RING.len()];
         while let Some(row) = rows.row()? {
             let (text, value) = (row.text(missing).to_owned(), row.real(share)?);
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Fault::line(row.line, format!("share {value}"), "expected a number from 0 on"));
-            }
+            let wrong = || Fault::line(row.line, format!("share {value}"), "expected a number from 0 on");
+            ensure(value >= 0.0 && value.is_finite(), wrong)?;
             let index =
                 index_of(&text).map_err(|part| Fault::line(row.line, format!("missing \"{part}\""), segments_accepted()))?;
             table[index] += value;

@@ -5,7 +5,7 @@ use super::circle::Circle;
 use willis_core::flow::{Boundary, state::State};
 use willis_core::network::{Network, Role};
 use willis_core::simulation::{Change, Perturbation, rounding, simulate, transport::Transports};
-use willis_core::{error::Result, support::in_order, support::list_of, support::weighted_quantile};
+use willis_core::{error::Result, support::in_order, support::list_of, support::weighted_quantiles};
 
 /// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;
@@ -140,8 +140,9 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
     pub fn about_median(values: &[(f64, f64)]) -> Self {
-        let quantile = |share| weighted_quantile(values.iter().copied(), share).unwrap_or(f64::NAN);
-        Self { middle: quantile(0.5), interval: [quantile(TAIL), quantile(1.0 - TAIL)] }
+        let quantiles = weighted_quantiles(values.iter().copied(), [TAIL, 0.5, 1.0 - TAIL]);
+        let [low, middle, high] = quantiles.map(|x| x.unwrap_or(f64::NAN));
+        Self { middle, interval: [low, high] }
     }
 
     /// The mean of values with weights, which adds up where they do. What is seldom may bring it out of the interval of the median: the interval

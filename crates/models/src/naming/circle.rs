@@ -15,7 +15,7 @@ use crate::circle_of_willis::{
     Artery, BodySide, Circle, FEEDERS, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
 };
 use willis_core::decision::{KnownEnds, Topologies};
-use willis_core::error::{Fault, Place};
+use willis_core::error::{Fault, Place, ensure};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Frame, Network};
 use willis_core::sampling::SamplingOptions;
@@ -280,9 +280,7 @@ impl Names {
     ///
     /// Too few arteries; no inlet among them.
     pub fn located(&self, network: &Network, model: &NamingModel) -> Result<(Circle, Vec<String>), Fault> {
-        if !self.is_circle() {
-            return Err(nothing_named(network));
-        }
+        ensure(self.is_circle(), || nothing_named(network))?;
         let listed = self.landmarks(model);
         let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
         // Blood comes in somewhere: where no place is sure, at the likeliest.

@@ -12,7 +12,7 @@ use super::atlas::{
 use super::pieces::PIECE_FEATURES;
 use super::presence::{KINDS, PRESENCE_FEATURES};
 use crate::circle_of_willis::{Artery, BodySide};
-use willis_core::error::{Fault, Result};
+use willis_core::error::{Fault, Result, ensure};
 use willis_core::support::toml_text::{parse, write};
 use willis_core::support::{model_provenance::ModelProvenance, statistics::sigmoid};
 
@@ -118,9 +118,8 @@ impl NamingModel {
     pub fn read(text: &str) -> Result<Self, Fault> {
         let file: NamingFile = parse(text, "expected a model as `willis train --model labels` writes it")?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
-        if file.format != FORMAT {
-            return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
-        }
+        let is_format = file.format == FORMAT;
+        ensure(is_format, || wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")))?;
         let lengths = |what: &str, rows: &[Vec<f64>], expected: &dyn Fn(usize) -> usize| {
             let bad = rows.iter().enumerate().find(|(k, row)| row.len() != expected(*k) || row.iter().any(|w| !w.is_finite()));
             bad.map_or(Ok(()), |(k, _)| Err(wrong(format!("{what} {k}"), &format!("expected {} numbers", expected(k)))))
@@ -136,9 +135,8 @@ impl NamingModel {
         let mut length = vec![0.0; STATES];
         for row in &file.states {
             let state = of(&row.name)?;
-            if !(0.0..1e9).contains(&row.length) {
-                return Err(wrong(format!("length {} of state \"{}\"", row.length, row.name), "expected mm from 0 on"));
-            }
+            let too_long = || wrong(format!("length {} of state \"{}\"", row.length, row.name), "expected mm from 0 on");
+            ensure((0.0..1e9).contains(&row.length), too_long)?;
             length[state] = row.length;
             length[tables.mirrored[state]] = row.length;
             if state == NOWHERE {
@@ -148,10 +146,9 @@ impl NamingModel {
                 (row.mean, row.covariance, row.direction, row.log_radius);
             let mut numbers = mean.iter().chain(&covariance).chain(&direction).chain(&row.log_radius);
             let are_positive = is_positive(&covariance) && is_positive(&direction) && radius_spread > 0.0;
-            if !(numbers.all(|x| x.abs() < 1e9) && are_positive) {
-                let accepted = "expected positive definite matrices and a positive spread";
-                return Err(wrong(format!("state \"{}\"", row.name), accepted));
-            }
+            let accepted = "expected positive definite matrices and a positive spread";
+            let are_right = numbers.all(|x| x.abs() < 1e9) && are_positive;
+            ensure(are_right, || wrong(format!("state \"{}\"", row.name), accepted))?;
             let piece = AtlasPiece { mean, covariance, direction, log_radius, radius_spread };
             pieces[tables.mirrored[state]] = Some(mirrored(&piece));
             pieces[state] = Some(piece);
@@ -176,12 +173,11 @@ impl NamingModel {
             arms.sort_unstable();
             bifurcations.extend([((arms, middle), n), (tables.mirrored_bifurcation((arms, middle)), n)]);
         }
-        if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
-            return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
-        }
-        if !file.other_radius.iter().chain(&file.centroid).all(|x| x.abs() < 1e9) {
-            return Err(wrong("other_radius or centroid".into(), "expected numbers below 1e9"));
-        }
+        let accepted = "expected a positive spread, and shares between 0 and 1";
+        let are_shares = file.share.iter().all(|s| *s > 0.0 && *s < 1.0);
+        ensure(file.other_radius[1] > 0.0 && are_shares, || wrong("other_radius or share".into(), accepted))?;
+        let are_small = file.other_radius.iter().chain(&file.centroid).all(|x| x.abs() < 1e9);
+        ensure(are_small, || wrong("other_radius or centroid".into(), "expected numbers below 1e9"))?;
         let NamingFile { other_radius, centroid, false_pieces, presence, share, provenance, figures, .. } = file;
         let pieces = pieces.into_iter().flatten().collect();
         let atlas = Atlas::new(AtlasData { pieces, other_radius, centroid, length, neighbours, bifurcations });

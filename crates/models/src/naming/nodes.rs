@@ -7,7 +7,7 @@ use willis_core::network::walks::{runs_by_node, vessels_at};
 use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, units::millimetres};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction, place_at};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
-use willis_core::support::{numbered::placed, statistics::weighted_quantile};
+use willis_core::support::{numbered::placed, statistics::weighted_quantiles};
 
 /// The distance of nodes, mm.
 const STEP: f64 = 1.0;
@@ -98,8 +98,6 @@ struct BranchPoint {
 impl Nodes {
     /// The nodes of a network with positions in a frame; one that is not LPS is taken for RAS.
     pub fn of(network: &Network, frame: Frame) -> Self {
-        let sign = if frame == Frame::Lps { -1.0 } else { 1.0 };
-        let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
         let traced = is_traced(network);
         let vessels_at = vessels_at(network, |row| traced[row]);
         let mut nodes = Self::default();
@@ -109,7 +107,7 @@ impl Nodes {
             let mut passed: Vec<(usize, usize)> = vec![(run.nodes[0], 0)];
             for (vessel, ends) in run.edges.iter().copied().zip(run.nodes.windows(2)) {
                 points.extend(points_of(network, vessel, ends[0]).into_iter().map(|(p, along)| BranchPoint {
-                    at: to_ras(p.position),
+                    at: frame.turn(Frame::Ras, p.position).map(millimetres),
                     radius: millimetres(p.radius),
                     id: p.id,
                     place: VesselPlace { vessel, along },
@@ -146,7 +144,7 @@ impl Nodes {
     /// The median of the logarithms of the radii, by length times `share`.
     pub fn median_log_radius(&self, share: impl Fn(usize) -> f64) -> f64 {
         let weighted = (0..self.len()).map(|n| (self.log_radius[n], self.weight[n] * share(n)));
-        weighted_quantile(weighted, 0.5).unwrap_or(0.0)
+        weighted_quantiles(weighted, [0.5])[0].unwrap_or(0.0)
     }
 
     /// Adds the nodes of a branch; `passed` are the network's nodes along it with the number of their point.

@@ -8,7 +8,7 @@ use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
 use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
 use super::nodes::Nodes;
 use willis_core::support::geometry::{Point, distance, dot, norm, sub, weighted_centroid};
-use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
+use willis_core::support::{simd::InstructionSet, statistics::weighted_quantiles};
 
 /// Nodes that serve the search.
 const SEARCH_NODES: usize = 110;
@@ -354,7 +354,7 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let radius = branch_radii(&nodes);
     let length_below = |counts: &dyn Fn(usize) -> bool, share: f64| {
         let those = (0..nodes.len()).filter(|n| counts(*n)).map(|n| (radius[n], nodes.weight[n]));
-        weighted_quantile(those, share).unwrap_or(f64::INFINITY)
+        weighted_quantiles(those, [share])[0].unwrap_or(f64::INFINITY)
     };
     let thick = length_below(&|_| true, THICK);
     let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::features::{SECOND_FEATURES, join_feature_names};
 use super::image::features::image_feature_names;
-use willis_core::error::Fault;
+use willis_core::error::{Fault, ensure};
 use willis_core::support::boosted_trees::{Boosted, check_features};
 use willis_core::support::calibration::Calibration;
 use willis_core::support::statistics::sigmoid;
@@ -140,10 +140,9 @@ impl JoinModel {
             let names = image_feature_names();
             check_features("image.features", &image.features, &names)?;
             let [least, most] = image.noise;
-            if !(least >= 0.0 && least <= most) {
-                let accepted = "expected the least and the most, from 0 on";
-                return Err(Fault::item("image.noise", format!("[{least}, {most}]"), accepted));
-            }
+            let accepted = "expected the least and the most, from 0 on";
+            let wrong = || Fault::item("image.noise", format!("[{least}, {most}]"), accepted);
+            ensure(least >= 0.0 && least <= most, wrong)?;
             image.trees.check("image.pass", names.len())?;
         }
         Ok(model)

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use crate::candidates::features::{Extraction, FEATURES, FEEDBACK_FEATURES, ROOT_FEATURES, radius_variation, width_in_spacings};
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::{Error, Fault, Result, require};
 use willis_core::forest_posterior::Marginals;
 use willis_core::support::calibration::Calibration;
 use willis_core::support::model_provenance::ModelProvenance;
@@ -225,9 +225,7 @@ impl Weights {
     ///
     /// Names the pass and the feature, the value and the range.
     pub fn validate(&self) -> Result<()> {
-        if self.passes.is_empty() {
-            return Err(Error::parameter("weights", "of no pass", "expected one pass at least"));
-        }
+        require(!self.passes.is_empty(), "weights", "of no pass", "expected one pass at least")?;
         for (number, pass) in self.passes.iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);
             check(&place("bridge"), &pass.candidate, PassWeights::candidate_features(number).collect())?;
@@ -249,9 +247,8 @@ fn is_wild(weight: f64) -> bool {
 }
 
 fn check(place: &str, weights: &[f64], names: Vec<&str>) -> Result<()> {
-    if weights.len() != names.len() {
-        return Err(Error::parameter(place, format!("has {} weights", weights.len()), format!("expected {}", names.len())));
-    }
+    let (given, expected) = (weights.len(), names.len());
+    require(given == expected, place, format!("has {given} weights"), format!("expected {expected}"))?;
     match weights.iter().zip(names).find(|(w, _)| is_wild(**w)) {
         Some((w, name)) => {
             Err(Error::parameter(format!("{place} {name}"), w, format!("expected a number from -{MOST_WEIGHT} to {MOST_WEIGHT}")))

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::features::{Extraction, FreeEnd};
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Result, require};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_core::support::in_order;
@@ -121,9 +121,7 @@ impl CandidateOptions {
     ///
     /// Names the option, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        if self.k == Some(0) {
-            return Err(Error::parameter("k", 0, "expected at least 1"));
-        }
+        require(self.k != Some(0), "k", 0, "expected at least 1")?;
         for (name, value) in [("max_gap", self.max_gap), ("max_candidate_radius", self.max_radius)] {
             if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
                 return Err(Error::parameter(name, willis_core::network::units::millimetres(m), "expected a positive length"));
