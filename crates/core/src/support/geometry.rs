@@ -1,5 +1,7 @@
 //! Points in space and the few vector operations that centerlines need.
 
+use super::ties::steady;
+
 /// A position in m.
 pub type Point = [f64; 3];
 
@@ -89,11 +91,11 @@ pub fn smooth(points: &[Point], rounds: usize) -> Vec<Point> {
 }
 
 /// Of some ways on from a line that runs along a unit vector, the one that goes on the best, of equal ones the first. Each has its direction, which
-/// counts by the cosine of the bend, and the ln of its radius over that of the line; `rounded` is applied to the sum.
-pub fn straightest<W>(along: Point, ways: impl Iterator<Item = (W, Point, f64)>, rounded: impl Fn(f64) -> f64) -> Option<W> {
+/// counts by the cosine of the bend, and the ln of its radius over that of the line.
+pub fn straightest<W>(along: Point, ways: impl Iterator<Item = (W, Point, f64)>) -> Option<W> {
     let mut best: Option<(f64, W)> = None;
     for (way, to, wider) in ways {
-        let score = rounded(dot(along, unit(to)) + WIDER * wider);
+        let score = steady(dot(along, unit(to)) + WIDER * wider);
         if best.as_ref().is_none_or(|(most, _)| score > *most) {
             best = Some((score, way));
         }

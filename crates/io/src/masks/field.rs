@@ -4,6 +4,7 @@ use super::image::trilinear;
 use super::{Foreground, distances, inverse_of, neighbours, row_at, steps_of, strides_of, volume_of};
 use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, dot, norm, norm_squared};
+use willis_core::support::ties::{near_zero, steady};
 
 /// Further outside than the neighbours of the lumen every place has this depth, in voxels.
 const OUTSIDE: f64 = -1.5;
@@ -66,7 +67,7 @@ impl Field {
         volume_of(self.steps) * metres(1.0).powi(3)
     }
 
-    /// The depth (m) of a place (m) below the wall; negative outside.
+    /// The depth (m) of a place (m) below the wall, to so many parts of a voxel that rounding does not decide what is inside or deeper; negative outside.
     pub fn signed(&self, place: Point) -> f64 {
         let at = self.index(place);
         let low = at.map(floor);
@@ -83,7 +84,7 @@ impl Field {
                 self.at([x + i as isize, y + j as isize, z + k as isize])
             }
         };
-        metres(trilinear(corner, share))
+        metres(near_zero(trilinear(corner, share) / self.voxel) * self.voxel)
     }
 
     /// The depth (m) of a place (m) in the lumen; zero outside.
@@ -110,7 +111,7 @@ impl Field {
                     if self.at([x, y, z]) > 0.0 {
                         let to = [x as f64 - centre[0], y as f64 - centre[1], z as f64 - centre[2]];
                         let apart: Point = [0, 1, 2].map(|row| (0..3).map(|axis| self.steps[axis][row] * to[axis]).sum());
-                        if norm_squared(apart) <= reach * reach {
+                        if steady(norm_squared(apart)) <= steady(reach * reach) {
                             out.push([0, 1, 2].map(|k| place[k] + metres(apart[k])));
                         }
                     }

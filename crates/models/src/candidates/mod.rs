@@ -16,6 +16,8 @@ use resample::{CenterlineKind, Resampled};
 use search::{EndCandidate, search, search_nearest};
 use willis_core::error::Result;
 use willis_core::network::{Evidence, Network};
+use willis_core::support::ties::steady;
+use willis_core::support::ties::steady;
 use willis_io::masks::{Scene, Unseen, View};
 
 /// Connections between fragments that are less probable than this are left out ...
@@ -130,8 +132,8 @@ pub fn build_joins(
         };
         vessels.extend(pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
             let candidate = candidates[*row];
-            let gap = candidate.gap(e);
-            let within = candidate.fragments(e).iter().all(|row| gap <= e.fragments[*row].reach());
+            let gap = steady(candidate.gap(e));
+            let within = candidate.fragments(e).iter().all(|row| gap <= steady(e.fragments[*row].reach()));
             let stays = probability > LEAST_PROBABLE && options.allows(&candidate, e) && within;
             let course = image.as_ref().filter(|_| model.image.is_some());
             stays.then(|| NewVessel {

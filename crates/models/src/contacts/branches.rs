@@ -7,6 +7,7 @@ use willis_core::network::walks::{Walk, vessels_at};
 use willis_core::network::{Network, Origin, PathPoint};
 use willis_core::support::geometry::{Point, centroid, lerp, smooth, straightest, sub, unit};
 use willis_core::support::statistics::median;
+use willis_core::support::ties::steady;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
 const REACH: f64 = 1.0;
@@ -41,7 +42,7 @@ pub struct ObservedBranch {
     pub nodes: Vec<usize>,
     /// Its points, the nodes first and last.
     pub points: Vec<PathPoint>,
-    /// Its length, m.
+    /// Its length, m; equal ones on a lattice are equal.
     pub length: f64,
     /// The median radius of its points, the ends left out, m.
     pub radius: f64,
@@ -104,12 +105,12 @@ impl Branches {
         for row in order {
             let [a, b] = runs[row].ends;
             let sum = radius_at[a] + radius_at[b];
-            if !is_junction(a) || !is_junction(b) || runs[row].length > REACH * sum {
+            if !is_junction(a) || !is_junction(b) || runs[row].length > steady(REACH * sum) {
                 continue;
             }
             let (a, b) = (union.find_mut(a), union.find_mut(b));
             let ends = if a == b { count[a] - 2 } else { count[a] + count[b] - 2 };
-            if a != b && ends > MOST_ENDS && runs[row].length > NOTHING_BETWEEN * sum {
+            if a != b && ends > MOST_ENDS && runs[row].length > steady(NOTHING_BETWEEN * sum) {
                 continue;
             }
             is_inner[row] = true;
@@ -184,7 +185,7 @@ impl Branches {
             let piece = if end.last { own.reversed() } else { own.clone() };
             course.extend(&piece);
             let Some(cluster) = self.cluster(end.other()) else { break };
-            if course.length() >= reach || seen.len() >= HOPS {
+            if steady(course.length()) >= steady(reach) || seen.len() >= HOPS {
                 break;
             }
             let tail = &piece.points[piece.points.len().saturating_sub(TAIL)..];
@@ -197,7 +198,7 @@ impl Branches {
                 let [first, on] = if next.last { [line.len() - 1, line.len() - 1 - n] } else { [0, n] };
                 (*next, sub(line[on], line[first]), (self.branches[next.branch].radius / own).ln())
             });
-            let Some(next) = straightest(along, ways, |score| score) else { break };
+            let Some(next) = straightest(along, ways) else { break };
             end = next;
             seen.push(end.branch);
         }
@@ -242,7 +243,7 @@ pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Observe
 fn branch(network: &Network, run: Walk) -> Option<ObservedBranch> {
     let (ends, points) = (run.ends(), run.points(network));
     let vessels = run.edges.iter().zip(&run.nodes).map(|(row, node)| (*row, network.ends(*row)[0] != *node)).collect();
-    let (length, nodes) = (length_of(&points), run.nodes);
+    let (length, nodes) = (steady(length_of(&points)), run.nodes);
     let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
     let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
     (length > 0.0 && radius > 0.0).then_some(ObservedBranch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })
@@ -286,7 +287,8 @@ impl Course {
 
     /// Radii of the points between two lengths, in order of the points.
     pub fn radii_between(&self, from: f64, to: f64) -> Vec<f64> {
-        self.arc.iter().zip(&self.radii).filter(|(s, _)| (from..=to).contains(*s)).map(|(_, r)| *r).collect()
+        let between = steady(from)..=steady(to);
+        self.arc.iter().zip(&self.radii).filter(|(s, _)| between.contains(&steady(**s))).map(|(_, r)| *r).collect()
     }
 
     /// The same from its other end.
@@ -311,7 +313,7 @@ impl Course {
 /// A line through points at even steps of about `step`.
 pub fn even_course(path: &[PathPoint], step: f64) -> Course {
     let length = length_of(path);
-    let steps = ((length / step).ceil() as usize).clamp(LEAST_STEPS, MOST_STEPS);
+    let steps = (steady(length / step).ceil() as usize).clamp(LEAST_STEPS, MOST_STEPS);
     let mut course = Course::default();
     for (n, place) in at_even_steps(path, steps).into_iter().enumerate() {
         let point = place.on(path);

@@ -9,6 +9,7 @@ use super::features::{PairTable, pairs_among, sorted};
 use super::sections::{AROUND, HALF_WIDTH, INNER, LumenArm, LumenTube, Section, across, principal, section};
 use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, norm, sub};
 use willis_core::support::statistics::median;
+use willis_core::support::ties::steady;
 use willis_io::masks::{Field, Scene};
 
 /// Rings of points around the middle of the tube, at these shares of its radius.
@@ -92,7 +93,7 @@ fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4
     // The core's points nearest to a few places on the straight line.
     let near = |n: u32| {
         let at = lerp(a.root, b.root, f64::from(n) / 4.0);
-        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
+        core.iter().copied().min_by(|a, b| steady(distance(*a, at)).total_cmp(&steady(distance(*b, at))))
     };
     let mut way: Vec<Point> = (1..4).filter_map(near).collect();
     way.dedup();

@@ -6,6 +6,7 @@ use faer::{Mat, Side};
 use super::branches::{BranchEnd, Branches, Cluster};
 use willis_core::support::geometry::{Point, area_of, centroid, cross, distance, dot, lerp, norm, radius_of, sub, unit};
 use willis_core::support::statistics::median;
+use willis_core::support::ties::{near_zero, steady};
 use willis_io::masks::Field;
 
 /// Samples across a section.
@@ -36,7 +37,7 @@ pub struct Section {
 pub fn across(direction: Point) -> [Point; 2] {
     let t = unit(direction);
     let mut axis = [0.0; 3];
-    let least = (0..3).min_by(|a, b| t[*a].abs().total_cmp(&t[*b].abs())).unwrap_or(0);
+    let least = (0..3).min_by(|a, b| near_zero(t[*a].abs()).total_cmp(&near_zero(t[*b].abs()))).unwrap_or(0);
     axis[least] = 1.0;
     let u = unit(cross(t, axis));
     [u, cross(t, u)]
@@ -95,9 +96,9 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     };
     let first = deepest(&|_| true).unwrap_or(start);
     let place_of = |n: usize| at(n / PIXELS, n % PIXELS);
-    let limit = APART * depth[first].max(field.voxel());
+    let limit = steady(APART * depth[first].max(field.voxel()));
     let (mut second, mut saddle) = (0.0, 1.0);
-    if let Some(other) = deepest(&|n| distance(place_of(n), place_of(first)) > limit) {
+    if let Some(other) = deepest(&|n| steady(distance(place_of(n), place_of(first))) > limit) {
         let steps = (0..BETWEEN).map(|n| n as f64 / (BETWEEN - 1) as f64);
         let low = steps.map(|s| field.depth(lerp(place_of(first), place_of(other), s))).fold(f64::INFINITY, f64::min);
         second = depth[other] / (depth[first] + 0.1 * field.voxel());

@@ -14,6 +14,7 @@ use willis_core::network::units::{as_stored, millimetres};
 use willis_core::network::{Edit, Evidence, Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
+use willis_core::support::ties::steady;
 
 /// A contact is no shorter than this share of the core's radius: where two vessels share one junction, its length would be nothing, and
 /// a resistance must not be.
@@ -110,7 +111,7 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
     let hub_of = |block: usize| {
         let ends = cluster.ends.iter().zip(&blocks.of_end).filter(|(_, of)| **of == block);
         let nodes: Vec<usize> = ends.map(|(end, _)| branches.node(*end)).collect();
-        let apart = |node: usize| nodes.iter().map(|other| apart(graph, node, *other)).sum::<f64>();
+        let apart = |node: usize| steady(nodes.iter().map(|other| apart(graph, node, *other)).sum());
         let hub = nodes.iter().copied().min_by(|a, b| apart(*a).total_cmp(&apart(*b)).then(a.cmp(b)));
         (hub.unwrap_or(cluster.nodes[0]), nodes)
     };
@@ -181,7 +182,7 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
 
 /// The distance of two nodes.
 fn apart(graph: &Network, a: usize, b: usize) -> f64 {
-    distance(position(graph, a), position(graph, b))
+    steady(distance(position(graph, a), position(graph, b)))
 }
 
 fn position(graph: &Network, node: usize) -> Point {

@@ -16,7 +16,7 @@ use willis_core::support::geometry::{Point, centroid, distance, dot, norm_square
 use willis_core::support::in_order;
 use willis_core::support::normal_equations::{normal_equations, solve};
 use willis_core::support::statistics::{median, sigmoid};
-use willis_core::support::ties::steady;
+use willis_core::support::ties::{near_zero, steady};
 
 /// Features of tracings that say nothing of a skeleton, or depend on what a user clicked.
 const LEFT_OUT: [&str; 2] = ["fed_parent", "share_parent"];
@@ -153,7 +153,7 @@ fn bending(j: &Join, scale: usize) -> [f64; 2] {
     let u = j.measured.across;
     let bends = |direction: Point| {
         let along = dot(direction, u);
-        let sideways = unit([0, 1, 2].map(|k| direction[k] - along * u[k]));
+        let sideways = unit([0, 1, 2].map(|k| near_zero(direction[k] - along * u[k])));
         sideways.map(|x| x * angle(direction, u))
     };
     let a = bends(j.child.directions[scale]);
@@ -519,7 +519,7 @@ fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize
             let wider = (e.smooth.radius[heading.walk(1)] / e.smooth.radius[node]).ln();
             (heading.branch, sub(smooth(heading.walk(LOOK)), smooth(node)), wider)
         });
-        let Some(next) = straightest(back, ways, steady) else { return (way, junction) };
+        let Some(next) = straightest(back, ways) else { return (way, junction) };
         branch = next;
         seen.push(branch);
     }

@@ -139,7 +139,7 @@ impl CandidateOptions {
     /// Whether a candidate is no longer than the options allow, and ends where it may.
     pub fn allows(&self, candidate: &EndCandidate, e: &Extraction) -> bool {
         let may_end = self.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        may_end && self.max_gap.is_none_or(|most| candidate.gap(e) <= most)
+        may_end && self.max_gap.is_none_or(|most| steady(candidate.gap(e)) <= steady(most))
     }
 }
 
