@@ -8,9 +8,10 @@ use std::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::command_line::{command_line, is_option, with_flags};
 use super::print::{TextTerminal, counted, plural, say_notes};
 use super::subjects::{Subject, check_output, named, paths};
-use super::{command_line::command_line, command_line::with_flags, shell::print_json, signals::is_stopped, signals::listen};
+use super::{shell::print_json, signals::is_stopped, signals::listen};
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
 use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
@@ -198,10 +199,17 @@ impl Cohort<'_> {
             }
         }
         let work_of = |at: usize| own.get(&at).unwrap_or(work);
-        let columns: Vec<&str> = subjects.iter().take(1).flat_map(Subject::covariates).map(|(column, _)| &**column).collect();
-        if !columns.is_empty() {
-            let columns = columns.join(", ");
-            terminal.say("note", format!("columns of the manifest that are no options go into cohort.csv: {columns}"));
+        let columns = subjects.iter().take(1).flat_map(Subject::covariates).map(|(column, _)| &**column);
+        let is_shared = |column: &str| {
+            let plain = column.trim_start_matches('-').to_lowercase().replace('_', "-");
+            is_option(&plain, Some(self.command))
+        };
+        let (shared, columns): (Vec<&str>, Vec<&str>) = columns.partition(|column| is_shared(column));
+        let whole = "columns of the manifest go into cohort.csv and change nothing; options of the whole run are given on the command line";
+        for (columns, says) in [(columns, "columns of the manifest that are no options go into cohort.csv"), (shared, whole)] {
+            if !columns.is_empty() {
+                terminal.say("note", format!("{says}: {}", columns.join(", ")));
+            }
         }
         listen(2);
         let entry = |(at, subject): (usize, &Subject)| LedgerEntry::of(subject, work_of(at).files(&subject.input));

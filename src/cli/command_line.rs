@@ -223,9 +223,11 @@ pub fn parts_at_work() -> Vec<LinePart> {
     of_line(|line| Some(parts(&line.parser, &line.words))).unwrap_or_default()
 }
 
-/// Whether a word is the name of an option of any command.
-pub fn is_option(word: &str) -> bool {
-    let has = |command: &clap::Command| command.get_arguments().any(|option| option.get_long() == Some(word));
+/// Whether a word is the name of an option of a command, or of any.
+pub fn is_option(word: &str, of: Option<&str>) -> bool {
+    let has = |command: &clap::Command| {
+        of.is_none_or(|of| command.get_name() == of) && command.get_arguments().any(|option| option.get_long() == Some(word))
+    };
     of_line(|line| Some(line.parser.get_subcommands().any(has))).unwrap_or_default()
 }
 

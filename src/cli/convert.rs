@@ -115,7 +115,7 @@ impl ConvertArgs {
         let staged = StagedFiles::new(&target.path, force)?;
         let WrittenFiles { files, mut lost, counts: [nodes, vessels], .. } = put(staged, &input.network, &target, terminal)?;
         let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-        let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
+        let unread = input.format.map(|format| unread_columns(path, format, &input.options)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));
             terminal.say("lost", lost.last().map_or("", String::as_str));

@@ -161,7 +161,7 @@ fn check_folder(path: &Path) -> Result<()> {
 fn check_word(path: &Path) -> Result<()> {
     let Some(word) = path.to_str().filter(|_| !path.exists()) else { return Ok(()) };
     let refused = |accepted: String| Err(Error::parameter("INPUT", format!("\"{word}\""), accepted));
-    if is_option(word) {
+    if is_option(word, None) {
         return refused(format!("no such file; did you mean --{word}?"));
     }
     let with_commas = "no such file; several values of an option go with commas, as in --epsilon 0.2,0.5";

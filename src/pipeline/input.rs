@@ -119,7 +119,8 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         return Err(Fault::file(found, "expected it unedited").in_file(&run.graph));
     }
     let unequal = options.scale.spacing.filter(|[x, y, z]| !format.is_mask() && (x != y || y != z));
-    notes.extend(unequal.map(|[x, y, z]| format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest")));
+    let lengths = if let Contents::Centerlines(_) = contents { "" } else { ", and a length in voxels is that of the course" };
+    notes.extend(unequal.map(|[x, y, z]| format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest{lengths}")));
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
     if let Some(run) = run.as_ref().filter(|run| !run.fits(&made.network)) {
         let found = "arteries, or nodes with conditions, that are not of the graph that was sampled";

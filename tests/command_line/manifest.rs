@@ -59,6 +59,11 @@ fn a_row_with_options_of_its_own_is_named_as_the_others() {
     let [a, b] = ["a", "b"].map(|subject| record(&here.join("cohort").join(subject)));
     assert!(a["phenotype"].is_object() && a["phenotype"] == b["phenotype"]);
     assert!(b["command"].as_str().is_some_and(|line| line.ends_with(" --default-radius=1mm --landmarks auto -o again")));
+    // An option of the whole run is no option of a row, and is said to be none.
+    fs::write(here.join("study/rows.csv"), "subject,input,max_gap,age\na,first.swc,9,61\n").expect("written");
+    let said = done(here, &["infer", "study/rows.csv", "-o", "cohort", "-n", "64", "--force"]);
+    let whole = "change nothing; options of the whole run are given on the command line: max_gap\n";
+    assert!(said.contains(whole) && said.contains("that are no options go into cohort.csv: age\n"), "{said}");
 }
 
 /// Rows with options of their own, in the words of BIDS and of willis; each row is the run with these options.

@@ -122,6 +122,7 @@ np.savez(f'{out}/points.npz', coords=c, edges=e, radii=r, labels=np.array(['M1',
 np.savez(f'{out}/edges.npz', coords=c, edges=e, radii=np.array([1, 3, 0, 2]), labels=l)
 np.savez(f'{out}/none.npz', coords=c, edges=e, labels=l)
 np.savez(f'{out}/long.npz', coords=c, edges=e, radii=np.ones(4), lengths=np.arange(4) + 2.0)
+np.savez(f'{out}/bad-lengths.npz', coords=c, edges=e, radii=r, lengths=np.arange(4) + 2.0)
 np.savez(f'{out}/bad-object.npz', coords=c, edges=e, radii=np.array(r, dtype=object))
 np.savez(f'{out}/bad-bool.npz', coords=c > 1, edges=e, radii=r)
 np.savez(f'{out}/bad-struct.npz', coords=c, edges=np.zeros(4, dtype=[('a', 'i4'), ('b', 'i4')]), radii=r)
@@ -179,6 +180,7 @@ np.save(f'{out}/bad-one.npy', c)
         ("bad-nan.npz", "array coords: row 4 is [3.0, -1.5, NaN]; expected finite numbers"),
         ("bad-flat.npz", "array coords: shape (5, 2); expected a row of 3 for each"),
         ("bad-count.npz", "array radii: 3 values; expected 5, one a point, or 4, one an edge"),
+        ("bad-lengths.npz", "array lengths: beside radii of points; expected 4 radii, one an edge, or no lengths"),
         ("bad-labels.npz", "array labels: 3 values; expected 4, one an edge, or 5, one a point"),
         ("bad-zero.npz", "array edges: no edges; expected a row for every edge"),
         ("bad-names.npz", &format!("no array coords among x, edges; {graph}; {or_mask}")),

@@ -233,6 +233,13 @@ fn metaimage_is_read_from_one_file_and_from_two() {
         let two: Vec<(&str, &[u8])> = two.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
         assert_eq!(ends(read_first(&two, &ReadOptions::default()).expect("read")), tips(ITK), "{more}");
     }
+    // Without a spacing of its own it takes the one that is given.
+    let bare = [metaimage("", "LOCAL").replace("ElementSpacing = 0.5 0.5 0.75\n", "").as_bytes(), &bar].concat();
+    let said = read("a.mha", &bare).unwrap_err().to_string();
+    assert!(said.contains("no ElementSpacing; expected it in the header, or give `spacing=SX,SY,SZ`, in mm"), "{said}");
+    let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5, 0.5, 0.75]) };
+    let options = ReadOptions { scale, ..ReadOptions::default() };
+    assert_eq!(ends(read_first(&[("a.mha", &bare)], &options).expect("read")), tips(ITK));
     let last = [b"four".as_slice(), &bar].concat();
     let head = metaimage("HeaderSize = -1\n", "a.raw");
     let found = read_first(&[("a.mhd", head.as_bytes()), ("a.raw", &last)], &ReadOptions::default()).expect("read");

@@ -3,7 +3,7 @@
 use crate::images::{ITK, SHEARLESS, bar, ends, gzip, lines, read, tips};
 use crate::peers::{case, network_of, positions, python, read_first};
 use willis::internals::formats::{Format, ReadOptions, read as read_file, read_image};
-use willis::internals::network::Frame;
+use willis::internals::network::{Frame, units::Scale};
 
 /// The header of the bar in LPS, with other lines for some.
 fn header(swaps: &[(&str, &str)]) -> String {
@@ -140,6 +140,23 @@ fn spacings_alone_and_a_fourth_axis_of_one_are_read() {
         let swaps = [&[(directions, lines)], &old[1..]].concat();
         assert_eq!(ends(read("a.nrrd", &nrrd(&swaps, &bar())).expect("read")), tips(affine), "{lines}");
     }
+    // One that is not stated, or missing, is that of `spacing`, and none beside one that is stated.
+    let given = |swaps: &[(&str, &str)], spacing| {
+        let scale = Scale { spacing: Some(spacing), ..Scale::default() };
+        read_first(&[("a.nrrd", &nrrd(swaps, &bar()))], &ReadOptions { scale, ..ReadOptions::default() })
+    };
+    for (lines, affine) in [
+        ("axis mins: 1 2 3\ncenters: node node node", plain),
+        ("axis mins: 1 2 3\nspacings: NaN NaN NaN", of_cells),
+        ("axis mins: 1 2 3\nunits: \"mm\" \"mm\" \"mm\"", of_cells),
+    ] {
+        let swaps = [&[(directions, lines)], &old[1..]].concat();
+        assert_eq!(ends(given(&swaps, [0.5, 0.25, 0.75]).expect("read")), tips(affine), "{lines}");
+        let said = read("a.nrrd", &nrrd(&swaps, &bar())).unwrap_err().to_string();
+        assert!(said.contains("no spacing along axis 0; expected spacings, ") && said.contains("`spacing=SX,SY,SZ`"), "{said}");
+    }
+    let other = given(&old, [1.0; 3]).unwrap_err().to_string();
+    assert!(other.contains("states voxels of 0.5 x 0.25 x 0.75 mm; expected no other `spacing`"), "{other}");
     let steps = "(0,0.5,0) (-0.5,0,0) (0,0,0.75)";
     for (sizes, steps_of, kinds) in [
         ("1 12 5 6", format!("none {steps}"), "list domain domain domain"),

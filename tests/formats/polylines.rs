@@ -9,7 +9,7 @@ use crate::peers::document;
 use willis::internals::formats::{Format, ReadOptions, read_markups, read_points, read_swc};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::centerlines::pairs_within;
-use willis::internals::network::units::{LengthUnit, Scale, millimetres};
+use willis::internals::network::units::{LengthUnit, Scale, metres, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};
 
@@ -91,6 +91,25 @@ fn a_curve_that_is_being_drawn_or_was_resampled_has_a_way_on() {
     let (lines, notes) = read_markups(text.as_bytes(), &options).expect("a curve");
     assert_eq!((lines.points.len(), lines.links.len()), (2, 1));
     assert_eq!(notes, ["control points without a defined position, left out: 2"]);
+}
+
+/// By hand: a radius of .1 cm on a curve in mm is 1 mm; without a unit of its own it is in that of the curve.
+#[test]
+fn the_radius_of_markups_has_the_unit_that_it_states() {
+    let text = r#"{"markups": [{"type": "Curve", "controlPoints": [{"position": [1,2,3]}, {"position": [1,2,5]}],
+        "measurements": [{"name": "Radius", "units": "cm", "controlPointValues": [0.1, 0.2]}]}]}"#;
+    assert_eq!(markups(text).unwrap().0.radii, [1.0, 2.0].map(metres));
+    assert_eq!(markups(&text.replace("cm", "")).unwrap().0.radii, [0.1, 0.2].map(metres));
+    let said = markups(&text.replace("cm", "mm2")).unwrap_err();
+    assert_eq!(said, "m: markup 0 \"\": units of Radius mm2; expected mm, um, cm or m");
+}
+
+/// Voxels beside millimetres: the second are what counts.
+#[test]
+fn points_in_millimetres_come_before_others() {
+    let text = "fragment,x,y,z,radius,x_mm,y_mm,z_mm,radius_mm\n0,0,0,0,9,0,0,0,1\n0,20,0,0,9,10,0,0,2\n";
+    let (lines, _) = read_points(text.as_bytes(), &ReadOptions::default()).unwrap();
+    assert_eq!((lines.points[1], &lines.radii[..]), ([10.0, 0.0, 0.0].map(metres), &[1.0, 2.0].map(metres)[..]));
 }
 
 #[test]

@@ -8,11 +8,13 @@ use std::path::Path;
 
 use crate::peers::python;
 use willis::internals::formats::{
-    Column, Content, ReadOptions, Values, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, write_csv,
-    write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Column, Content, ReadOptions, Values, graph_columns, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
+    write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
-use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
+use willis::internals::network::{
+    Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles,
+};
 
 fn mm() -> Scale {
     Scale::default()
@@ -125,6 +127,34 @@ fn graphml_written_and_read_again_is_the_same_to_the_last_bit() {
     assert!(notes.is_empty());
     let short = [Column { name: "prior".into(), values: Values::Real(vec![1.0]) }];
     assert!(write_graphml(Vec::new(), &network, &[], &short).is_err());
+}
+
+/// Programs that hold undirected graphs write the ends of an edge in either order; all that belongs to an end goes with it. And what a run kept is
+/// told again.
+#[test]
+fn graphml_with_its_ends_swapped_is_the_same_to_the_last_bit() {
+    let mut network = network();
+    for row in [0, 2, 5] {
+        let vessel = network.vessel_mut(row);
+        let evidence = Evidence { attached: [0.2, 0.4], continuation_odds: [3.0, 0.5], ..Evidence::undirected(0.6) };
+        (vessel.evidence, vessel.kept) = (Some(Box::new(evidence)), Some(row != 2));
+    }
+    let (nodes, vessels) = graph_columns(&network);
+    let mut bytes = Vec::new();
+    write_graphml(&mut bytes, &network, &nodes, &vessels).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let swapped = text.replace(" source=", " was=").replace(" target=", " source=").replace(" was=", " target=");
+    for text in [&text, &swapped] {
+        let (again, notes) = read_graphml(text.as_bytes(), &ReadOptions::default()).unwrap();
+        assert_same(&network, &again, true);
+        assert!(notes.is_empty(), "{notes:?}");
+    }
+    // A node that was moved, at one end of its points.
+    let moved = text.replacen(">0.1</data>", ">9.5</data>", 1);
+    assert_ne!(moved, text);
+    let found = read_graphml(moved.as_bytes(), &ReadOptions::default()).unwrap_err().in_file(Path::new("g")).to_string();
+    let said = "lies at 9.5 0 0.3 and its end of points at 0.1 0 0.3; expected points from node to node, or none";
+    assert!(found.ends_with(said), "{found}");
 }
 
 #[test]

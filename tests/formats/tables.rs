@@ -339,6 +339,17 @@ fn the_default_radius_is_for_edges_whose_radius_is_not_positive() {
     assert_eq!(refused, "a.csv:3: edge 1 (1 - 2): radius_mm 0; expected a positive number, or give `default_radius`");
 }
 
+/// By hand: from 0,0,0 to 4,0,8 in voxels of .5 x .5 x 1 mm are 2 mm and 8 mm, whatever the length in voxels is.
+#[test]
+fn a_length_in_voxels_of_unequal_sides_is_that_of_the_course() {
+    let scale = Scale { unit: LengthUnit::Voxel, spacing: Some([0.5, 0.5, 1.0]) };
+    let nodes = read_csv_nodes(b"node,x,y,z\n0,0,0,0\n1,4,0,8\n", &scale).unwrap();
+    let options = ReadOptions { scale, ..ReadOptions::default() };
+    let table = b"node_a,node_b,radius,length\n0,1,2,10\n";
+    let (network, notes) = read_csv_edges(table, Some(nodes), &options).unwrap();
+    assert!((millimetres(network.vessel(0).length) - 68_f64.sqrt()).abs() < 1e-12, "{notes:?}");
+}
+
 #[test]
 fn graphml_takes_the_names_of_other_programs() {
     let graph = |keys: &str, a: &str, b: &str, edge: &str| {

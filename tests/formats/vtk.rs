@@ -149,6 +149,9 @@ fn every_fault_has_its_place_and_one_line() {
         let found = old(from, to).expect_err(to).in_file(Path::new("v")).to_string();
         assert_eq!(found, message);
     }
+    let named = ReadOptions { radius_array: Some("v".into()), ..ReadOptions::default() };
+    let found = read_vtk(OLD.as_bytes(), &named).expect_err("vectors").in_file(Path::new("v")).to_string();
+    assert_eq!(found, "v: array \"v\" of texts or vectors; expected one number for each point or line");
     let vertex = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\nVERTICES 1 2\n1 0\n";
     let found = read_vtk(vertex.as_bytes(), &ReadOptions::default()).expect_err("no lines").in_file(Path::new("v"));
     assert_eq!(found.to_string(), "v: no lines; expected LINES");

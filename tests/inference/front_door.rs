@@ -111,4 +111,10 @@ fn a_topology_is_written_and_read_again() {
     assert!((length(&again) / length(&topology) - 1.0).abs() < 1e-6);
     assert!(matches!(write(&topology, &path, None, false), Err(Error::Exists { .. })));
     assert!(write(&topology, &here.path().join("kept.xyz"), None, false).is_err());
+    // All of it was kept, which a format that holds a graph tells.
+    let path = here.path().join("kept.graphml");
+    write(&topology, &path, None, false).unwrap();
+    let again = read(&path, &ReadOptions::default()).unwrap().network;
+    assert_eq!(again.vessel_count(), topology.vessel_count());
+    assert!(again.vessels().all(|(_, vessel)| vessel.kept == Some(true)));
 }

@@ -231,6 +231,12 @@ impl Scale {
         let s = self.axes();
         metres(x * s[0].min(s[1]).min(s[2]))
     }
+
+    /// A length along a course of the file, in m; NaN with unequal spacings, between which only the course tells.
+    pub fn course(&self, x: f64) -> f64 {
+        let [x_mm, y_mm, z_mm] = self.axes();
+        if x_mm == y_mm && y_mm == z_mm { metres(x * x_mm) } else { f64::NAN }
+    }
 }
 
 /// The anatomical frame of coordinates.

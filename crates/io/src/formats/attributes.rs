@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::formats::tables::conditions::VENOUS;
-use crate::formats::{Fault, Point, ReadOptions, Scale, counted, distance, ensure, is_missing, is_radius, number, plural};
+use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
+use crate::formats::{millimetres, number, plural, real};
 use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
 use willis_core::network::{metres, path_places::length_of, units};
 use willis_core::support::distinct;
@@ -23,8 +24,8 @@ pub const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// The attributes that may hold the position of a node; the first are in mm, the others in the unit of the file.
 const POSITION_KEYS: [[&str; 3]; 4] = [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// The other attributes of a node.
-const OF_NODES: [&str; 11] =
-    ["id", "pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
+const OF_NODES: [&str; 12] =
+    ["node", "id", "pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
 /// The parts of a Windkessel beside the terminal resistance of a node.
 pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
 pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
@@ -140,7 +141,7 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
 
 /// The attributes of an edge, besides its length and radius.
 const OF_EDGES: [&[&str]; 3] = [
-    &["label", "origin", "prior", "certain", "kept", "points"],
+    &["node_a", "label", "origin", "prior", "certain", "kept", "points"],
     &["probability", "hangs_a", "hangs_b", "continues_a", "continues_b"],
     &[SPEED, YOUNG, THICKNESS],
 ];
@@ -160,10 +161,11 @@ pub(crate) fn vessels(
     let scale = &options.scale;
     let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
     let mut names = BTreeMap::new();
+    let reach = reach(network.nodes());
     for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
         let [a, b] = ends.map(|end| network.node(end));
         let item = Item { record, name: Name::Edge(row, [&a.id, &b.id]) };
-        let path = path(&item, [a, b])?;
+        let path = path(&item, [a, b], reach)?;
         let length = match length(&item, scale, *ends)? {
             Some(length) => length,
             None if path.is_empty() => {
@@ -234,6 +236,9 @@ pub(crate) fn vessels(
 /// The length that the edge states, m. Only a self-loop may have length 0, since it carries no flow.
 fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
     let Some((key, length)) = item.length(["length_mm", "length"], scale)? else { return Ok(None) };
+    if key == "length" && scale.course(length).is_nan() {
+        return Ok(None);
+    }
     if length > 0.0 || (length == 0.0 && ends[0] == ends[1]) {
         return Ok(Some(length));
     }
@@ -279,9 +284,19 @@ fn evidence(item: &Item, origin: Option<Origin>) -> Result<Option<Evidence>, Fau
     Ok(Some(evidence))
 }
 
-/// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs
-/// write the two ends of an edge in either order.
-fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
+/// How far a node may lie from where its edges have it, m: files may be rounded.
+pub(crate) fn reach<'a>(nodes: impl Iterator<Item = &'a Node>) -> f64 {
+    1e-3 * box_diagonal(nodes.filter_map(|node| node.position))
+}
+
+/// A position in mm, for messages.
+pub(crate) fn place(position: Point) -> String {
+    position.map(|x| real(millimetres(x))).join(" ")
+}
+
+/// The centerline `points`, mm, turned to run from the first node to the second, which may lie so far from its ends: programs that
+/// hold undirected graphs write the two ends of an edge in either order.
+fn path(item: &Item, nodes: [&Node; 2], reach: f64) -> Result<Vec<PathPoint>, Fault> {
     let Some(text) = item.text("points") else { return Ok(Vec::new()) };
     let mut path = Vec::new();
     for (n, point) in text.split(';').map(str::trim).filter(|point| !point.is_empty()).enumerate() {
@@ -302,6 +317,11 @@ fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
         let stay = distance(first.position, a) + distance(last.position, b);
         if distance(first.position, b) + distance(last.position, a) < stay {
             path.reverse();
+        }
+        for (node, here, there) in [(nodes[0], a, path[0]), (nodes[1], b, path[path.len() - 1])] {
+            let found = || format!("node {} lies at {} and its end of points at {}", node.id, place(here), place(there.position));
+            let accepted = "expected points from node to node, or none";
+            ensure(distance(here, there.position) <= reach, || item.fault(found(), accepted))?;
         }
     }
     Ok(path)

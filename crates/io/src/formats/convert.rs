@@ -181,6 +181,8 @@ const SAME: f64 = 1e-9;
 pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let lacks = |property: Property| target.format.lacks(property);
     let (is_lines, is_openbf) = (consists_of_lines(target.format, network), target.format == Format::OpenBf);
+    // An SWC is written from there again.
+    let is_swc = target.format == Format::Swc;
     let is_model = target.format.is(FormatTrait::Model);
     let vessels = |of: &dyn Fn(&Vessel) -> bool| network.vessels().filter(|(_, v)| of(v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
@@ -200,6 +202,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
         (lacks(Labels), vessels(&|v| !v.label.is_empty()), "the labels of {} vessels"),
         (lacks(Conditions) || is_model, nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
         (lacks(Conditions), nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
+        (!is_swc, nodes(&|n| n.is_source && n.role.is_none()), "that blood comes in at {} nodes, as the input states"),
         (lacks(Statements), vessels(&|v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
         (lacks(Statements), vessels(&|v| v.prior != 1.0), "the priors of {} vessels"),
         (lacks(Statements), vessels(&|v| v.evidence.is_some()), "the probabilities of {} vessels"),

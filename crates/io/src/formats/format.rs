@@ -104,8 +104,8 @@ impl Format {
     ) -> Result<StoredImage<'a>> {
         let (spacing, most) = (options.scale.spacing, options.max_input);
         let opened = match self {
-            Self::MetaImage => return metaimage::open_metaimage(path, bytes, other, most),
-            Self::Nrrd => return nrrd::open_nrrd(path, bytes, other, most),
+            Self::MetaImage => return metaimage::open_metaimage(path, bytes, other, spacing, most),
+            Self::Nrrd => return nrrd::open_nrrd(path, bytes, other, spacing, most),
             Self::Nifti => nifti::open_nifti(bytes, most),
             Self::Tiff => tiff::open_tiff(bytes, spacing, most),
             Self::Npy => numpy::open_numpy(bytes, spacing, most, other),

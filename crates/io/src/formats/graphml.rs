@@ -8,7 +8,7 @@ use crate::formats::xml::{Events, Tag, XmlStep};
 use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, ensure, escape};
 
 /// The attribute of a graph that states the frame of its positions.
-const FRAME: &str = "frame";
+pub(super) const FRAME: &str = "frame";
 
 /// What has been read of a file.
 #[derive(Default)]
@@ -111,8 +111,8 @@ impl Graph {
         }
         let unit = unit_note(&options.scale, [&self.nodes, &self.edges].into_iter().any(has_lengths_without_unit));
         let mut network = Network::of(self.frame, nodes(&self.ids, &self.nodes, &options.scale)?, Vec::new());
-        (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
+        (self.nodes, self.ids) = Default::default();
         (self.ends, self.numbers, self.row_of) = Default::default();
         let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
         notes.extend(unit);
@@ -140,7 +140,8 @@ impl Graph {
         self.row_of.len() - 1
     }
 
-    /// The rows of the nodes at the ends of each edge.
+    /// The rows of the nodes at the ends of each edge, which programs that hold undirected graphs write in either order: by `node_a` and the
+    /// `node` of both in that of willis, which its points and evidence have too.
     fn rows(&self) -> Result<Vec<[usize; 2]>, Fault> {
         let node = |edge: usize, side: &str, number: usize| {
             self.row_of[number].ok_or_else(|| {
@@ -150,7 +151,13 @@ impl Graph {
             })
         };
         let ends = self.ends.iter().enumerate();
-        ends.map(|(edge, [a, b])| Ok([node(edge, "source", *a)?, node(edge, "target", *b)?])).collect()
+        let rows = ends.map(|(edge, [a, b])| {
+            let ends = [node(edge, "source", *a)?, node(edge, "target", *b)?];
+            let first = self.edges.get(edge).text("node_a");
+            let [a, b] = ends.map(|row| first.is_some() && self.nodes.get(row).text("node") == first);
+            Ok(if b && !a { [ends[1], ends[0]] } else { ends })
+        });
+        rows.collect()
     }
 }
 

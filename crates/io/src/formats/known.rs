@@ -46,7 +46,7 @@ pub enum FormatTrait {
     NamedRadii,
     /// It states the spacing of its voxels.
     OwnSpacing,
-    /// `spacing` states that of its voxels, also if the file does.
+    /// `spacing` may state that of its voxels.
     GivenSpacing,
     /// The name of another format covers it where a file is refused that no reader knows.
     Covered,
@@ -102,10 +102,11 @@ formats! {
     /// SWC: one centerline point a line.
     Swc { name: "SWC", word: "swc", ending: "swc", lacks: &[Figures, Ids, Statements, Conditions] }
     /// VTK XML PolyData.
-    Vtp { name: "VTP", word: "vtp", ending: "vtp", is: &[NamedRadii], lacks: &[Ids, LoneNodes, Conditions] }
+    Vtp { name: "VTP", word: "vtp", ending: "vtp", is: &[NamedRadii],
+        lacks: &[Figures, Ids, LoneNodes, Statements, Conditions] }
     /// VTK legacy PolyData.
     Vtk { name: "VTK legacy", short: "VTK", expected: "VTK PolyData", word: "vtk", ending: "vtk", says: "legacy", others: 1, is: &[NamedRadii],
-        lacks: &[Ids, LoneNodes, Conditions] }
+        lacks: &[Figures, Ids, LoneNodes, Statements, Conditions] }
     /// GraphML.
     GraphMl { name: "GraphML", word: "graphml", ending: "graphml", is: &[Graph, Pairs] }
     /// A table of edges, with or without a table of nodes in the same folder.
@@ -137,9 +138,9 @@ formats! {
     /// A mask in NIfTI-1 or NIfTI-2, plain or compressed by gzip.
     Nifti { name: "NIfTI mask", short: "NIfTI", is: &[Mask, OwnSpacing] }
     /// A mask in MetaImage, the format of ITK.
-    MetaImage { name: "MetaImage mask", short: "MetaImage", is: &[Mask, OwnSpacing] }
+    MetaImage { name: "MetaImage mask", short: "MetaImage", is: &[Mask, OwnSpacing, GivenSpacing] }
     /// A mask in NRRD, plain or a segmentation of 3D Slicer.
-    Nrrd { name: "NRRD mask", short: "NRRD", is: &[Mask, OwnSpacing] }
+    Nrrd { name: "NRRD mask", short: "NRRD", is: &[Mask, OwnSpacing, GivenSpacing] }
     /// A mask as a stack of TIFF pages.
     Tiff { name: "TIFF mask", short: "TIFF", is: &[Mask, OwnSpacing, GivenSpacing] }
     /// A mask as a NumPy array, in a file of its own or an archive.

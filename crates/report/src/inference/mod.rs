@@ -113,6 +113,8 @@ impl Outcome<'_> {
 fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     let graph = outcome.network;
     let (nodes, mut vessels) = graph_columns_with(graph, &outcome.boundary.stated());
+    // What an earlier run kept is open again.
+    vessels.retain(|column| column.name != "kept");
     for column in vessels.iter_mut().filter(|column| outcome.sampling.uniform_prior && column.name == "prior") {
         *column = Column::real("prior", graph.vessels().map(|_| 1.0));
     }

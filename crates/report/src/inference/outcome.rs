@@ -112,7 +112,8 @@ impl Outcome<'_> {
     /// the vessel goes on: its parts are one again, but for those that were uncertain one by one.
     pub fn topology(&self, kept: &[bool]) -> Merged<'static> {
         let boundary = self.boundary.held(self.network, |row| kept[row]);
-        let (graph, rows) = self.network.subgraph(|row| kept[row]);
+        let (mut graph, rows) = self.network.subgraph(|row| kept[row]);
+        (0..rows.len()).for_each(|row| graph.vessel_mut(row).kept = Some(true));
         self.merged(&boundary, Cow::Owned(boundary.stated_in(graph)), &rows)
     }
 

@@ -36,11 +36,18 @@ pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     header.fields.file(path, DATA).filter(|_| !header.is_local())
 }
 
-/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. At most `most` bytes are read.
-pub(crate) fn open_metaimage<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>, most: u64) -> Result<StoredImage<'a>> {
+/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. `spacing` (mm) is for a header that states
+/// none. At most `most` bytes are read.
+pub(crate) fn open_metaimage<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    other: &'a mut Vec<u8>,
+    spacing: Option<[f64; 3]>,
+    most: u64,
+) -> Result<StoredImage<'a>> {
     let here = |fault: Fault| fault.in_file(path);
     let header = MetaHeader::read(bytes).map_err(here)?;
-    let voxels = header.voxels().map_err(here)?;
+    let voxels = header.voxels(spacing).map_err(here)?;
     let needed = voxels.bytes(most).map_err(here)?;
     let (file, data) = if header.is_local() {
         (path.to_owned(), &bytes[header.end..])
@@ -83,7 +90,7 @@ impl MetaHeader {
         self.fields.get(DATA).is_some_and(|(_, name)| name.eq_ignore_ascii_case("local"))
     }
 
-    fn voxels(&self) -> Result<Voxels, Fault> {
+    fn voxels(&self, given: Option<[f64; 3]>) -> Result<Voxels, Fault> {
         let axes = match self.fields.needed("NDims")? {
             (_, "3") => 3,
             (_, "4") => 4,
@@ -104,7 +111,8 @@ impl MetaHeader {
         let shape = [shape[0], shape[1], shape[2]];
         let numbers = |names: &[&str], count: usize| self.fields.first_numbers(names, count, "numbers", |_| true);
         let three = |all: Vec<f64>| [all[0], all[1], all[2]];
-        let spacing = numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
+        let none = || Fault::file("no ElementSpacing", "expected it in the header, or give `spacing=SX,SY,SZ`, in mm");
+        let spacing = numbers(&["ElementSpacing", "ElementSize"], axes)?.map(three).or(given).ok_or_else(none)?;
         let origin = numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
         let identity = |at: usize| if at.is_multiple_of(axes + 1) { 1.0 } else { 0.0 };
         let directions = numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;

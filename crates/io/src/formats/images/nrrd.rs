@@ -43,12 +43,19 @@ pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     NrrdHeader::read(bytes).ok()?.fields.file(path, DATA)
 }
 
-/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. At most `most` bytes are read.
-pub(crate) fn open_nrrd<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>, most: u64) -> Result<StoredImage<'a>> {
+/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. `spacing` (mm) is for a header that states
+/// none. At most `most` bytes are read.
+pub(crate) fn open_nrrd<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    other: &'a mut Vec<u8>,
+    spacing: Option<[f64; 3]>,
+    most: u64,
+) -> Result<StoredImage<'a>> {
     let here = |fault: Fault| fault.in_file(path);
     let header = NrrdHeader::read(bytes).map_err(here)?;
     let encoding = header.encoding().map_err(here)?;
-    let (voxels, layers) = header.voxels(encoding).map_err(here)?;
+    let (voxels, layers) = header.voxels(encoding, spacing).map_err(here)?;
     let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
     let (file, mut data) = if header.fields.get(DATA).is_none() {
         (path.to_owned(), bytes.get(header.end..).unwrap_or_default())
@@ -141,13 +148,13 @@ impl NrrdHeader {
     }
 
     /// How the voxels are stored, and in how many layers.
-    fn voxels(&self, encoding: Encoding) -> Result<(Voxels, usize), Fault> {
+    fn voxels(&self, encoding: Encoding, spacing: Option<[f64; 3]>) -> Result<(Voxels, usize), Fault> {
         let (_, word) = self.fields.needed("type")?;
         let wrong = || self.fields.wrong("type", "expected uchar, short, float or another type of number");
         let word = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
         let (kind, size) = number_type(|(.., of_nrrd)| of_nrrd.split('|').any(|known| known == word)).ok_or_else(wrong)?;
         let (of_space, sizes, layers) = self.axes()?;
-        let (affine, shape) = (self.affine(of_space, &sizes)?, of_space.map(|axis| sizes[axis]));
+        let (affine, shape) = (self.affine(of_space, &sizes, spacing)?, of_space.map(|axis| sizes[axis]));
         let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };
         let as_stored = Voxels { shape, kind, size, big: false, slope: [1.0, 0.0], affine, frame, reversed: false };
         if encoding == Encoding::Text {
@@ -216,8 +223,9 @@ impl NrrdHeader {
         steps.map(Some).ok_or_else(|| self.fields.wrong("space directions", accepted()))
     }
 
-    /// The scanner's frame in mm from voxels.
-    fn affine(&self, of_space: [usize; 3], sizes: &[usize]) -> Result<crate::masks::Affine, Fault> {
+    /// The scanner's frame in mm from voxels, of `given` spacing (mm) where none is stated.
+    fn affine(&self, of_space: [usize; 3], sizes: &[usize], given: Option<[f64; 3]>) -> Result<crate::masks::Affine, Fault> {
+        let unit = self.unit(of_space, sizes.len())?;
         let turn = self.turn()?.unwrap_or([1.0; 3]);
         let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
         if let Some(directions) = self.directions(sizes.len())? {
@@ -227,7 +235,7 @@ impl NrrdHeader {
             }
         } else {
             for (n, axis) in of_space.into_iter().enumerate() {
-                (steps[n][n], origin[n]) = self.along(axis, sizes)?;
+                (steps[n][n], origin[n]) = self.along(axis, sizes, given.map(|mm| mm[n] / unit))?;
             }
             if let Some(bad) = [0, 1, 2].map(|n| steps[n][n]).iter().find(|s| !(s.is_finite() && **s > 0.0)) {
                 return Err(Fault::file(format!("spacing {bad}"), "expected a positive spacing along every axis"));
@@ -237,7 +245,6 @@ impl NrrdHeader {
             let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
             origin = found.ok_or_else(|| self.fields.wrong("space origin", "expected a vector of three numbers"))?;
         }
-        let unit = self.unit(of_space, sizes.len())?;
         Ok(std::array::from_fn(|row| {
             std::array::from_fn(|column| turn[row] * unit * if column < 3 { steps[column][row] } else { origin[row] })
         }))
@@ -245,7 +252,7 @@ impl NrrdHeader {
 
     /// The spacing along an axis without a direction, and where its first sample is. Samples lie in the middle of cells, which the least and
     /// the largest position bound, unless they are said to be nodes.
-    fn along(&self, axis: usize, sizes: &[usize]) -> Result<(f64, f64), Fault> {
+    fn along(&self, axis: usize, sizes: &[usize], given: Option<f64>) -> Result<(f64, f64), Fault> {
         let of_axis = |name: &str| -> Result<Option<f64>, Fault> {
             let numbers = self.fields.numbers::<f64>(name, sizes.len(), "numbers", |_| true)?;
             Ok(numbers.map(|numbers| numbers[axis]))
@@ -254,7 +261,9 @@ impl NrrdHeader {
         let centers = self.fields.get("centers").or_else(|| self.fields.get("centerings")).map_or("", |(_, words)| words);
         let is_node = centers.split_whitespace().nth(axis) == Some("node");
         let steps = if is_node { sizes[axis].saturating_sub(1) } else { sizes[axis] } as f64;
-        let spacing = stated.or_else(|| Some((most? - least?) / steps)).unwrap_or(1.0);
+        let stated = stated.filter(|spacing| !spacing.is_nan()).or_else(|| Some((most? - least?) / steps)).or(given);
+        let accepted = "expected spacings, axis mins and axis maxs, or space directions, or give `spacing=SX,SY,SZ`, in mm";
+        let spacing = stated.ok_or_else(|| Fault::file(format!("no spacing along axis {axis}"), accepted))?;
         let first = least.map_or(0.0, |least| if is_node { least } else { least + spacing / 2.0 });
         Ok((spacing, first))
     }

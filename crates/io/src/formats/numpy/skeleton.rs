@@ -25,6 +25,7 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 /// - M radii are those of the edges. With `lengths` (M) every edge is one observed vessel; without, the edges are
 ///   links of centerlines, and each point takes the mean of its links, weighted by length, which keeps ∫ r dz over all of
 ///   them. Where N = M the radii are those of the points, unless there are lengths.
+/// - N radii beside `lengths` are an error: a link is as long as its points are apart.
 /// - M `labels` (text, or whole numbers other than 0) name the edges; N name the points, and an edge takes the name on which
 ///   its two points agree.
 ///
@@ -71,16 +72,18 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
         return Err(array.fault(format!("{} values", names.len()), format!("expected {m}, one an edge, or {n}, one a point")));
     }
     let sizes = match &radii {
-        None => vec![f64::NAN; n],
+        None => vec![f64::NAN; if lengths.is_some() { m } else { n }],
         Some(array) => array.reals()?.into_iter().map(|r| scale.length(r)).collect(),
     };
     if let Some(array) = radii.filter(|array| array.len() != n && array.len() != m) {
         return Err(array.fault(format!("{} values", array.len()), format!("expected {n}, one a point, or {m}, one an edge")));
     }
-    if let Some(array) = lengths.filter(|_| sizes.len() == m) {
+    if let Some(array) = lengths {
+        let beside = || array.fault("beside radii of points", format!("expected {m} radii, one an edge, or no lengths"));
+        ensure(sizes.len() == m, beside)?;
         let lengths = array.reals()?;
         ensure(lengths.len() == m, || array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")))?;
-        let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.length(x)).collect();
+        let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.course(x)).collect();
         let mut network = vessels(&points, &links, &sizes, &lengths, label, radius_optional)?;
         network.frame = frame;
         return Ok((Content::Vessels(network), Vec::new()));

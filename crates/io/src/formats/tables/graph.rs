@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::reader::{TableReader, columns};
-use super::write::{figures, real};
+use super::write::figures;
 use crate::formats::attributes::{
     self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, Records, SPEED, THICKNESS, YOUNG, nodes, vessels,
 };
@@ -16,7 +16,7 @@ use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg,
 use willis_core::network::{
     Centerlines, Condition, Evidence, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius, millimetres,
 };
-use willis_core::support::geometry::{Point, box_diagonal, distance};
+use willis_core::support::geometry::{Point, distance};
 
 /// The columns that may hold the names of nodes.
 const NAMES: [&str; 2] = ["node", "id"];
@@ -129,21 +129,21 @@ pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOpti
     Ok((network, notes))
 }
 
-/// How far a node may lie from where the table of edges has it, as a share of the size of the network: tables may be rounded.
-const SAME_PLACE: f64 = 1e-3;
-
 /// Refuses a table of nodes that has nodes elsewhere than the table of edges: it is of another network.
 fn same_places(nodes: &[Node], places: &Records, edges: &Records, placed: &[EdgeEnd], scale: &Scale) -> Result<(), Fault> {
     let names: Vec<&str> = nodes.iter().map(|node| &*node.id).collect();
     let stated = attributes::nodes(&names, places, scale)?;
-    let most = SAME_PLACE * box_diagonal(nodes.iter().filter_map(|node| node.position));
+    let most = attributes::reach(nodes.iter());
     for ((node, there), place) in nodes.iter().zip(&stated).zip(placed) {
         let (Some(here), Some(there), Some((row, side))) = (node.position, there.position, place) else { continue };
         if distance(here, there) > most {
-            let mm = |p: Point| p.map(|x| real(millimetres(x))).join(" ");
             let end = END_POSITION_COLUMNS[*side][0].trim_end_matches("x_mm");
-            let found =
-                format!("edge {row}: node {} lies at {} here and at {} in the table of nodes", node.id, mm(there), mm(here));
+            let found = format!(
+                "edge {row}: node {} lies at {} here and at {} in the table of nodes",
+                node.id,
+                attributes::place(there),
+                attributes::place(here)
+            );
             let accepted =
                 format!("expected the table of nodes of this network, or a table without {end}x_mm, {end}y_mm, {end}z_mm");
             return Err(Fault::line(edges.get(*row).line, found, accepted));
@@ -343,6 +343,7 @@ pub fn graph_columns_with(network: &Network, stated: &[StatedNode]) -> (Vec<Colu
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }
+    vessels.extend(stated_column("kept", network.vessels().map(|(_, v)| v.kept.map(|kept| f64::from(u8::from(kept))))));
     nodes.extend(stated_column("alone", network.nodes().map(|n| n.root_score)));
     if network.vessels().any(|(_, v)| v.evidence.is_some()) {
         let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, of));
@@ -363,8 +364,8 @@ pub(crate) fn points(path: &[PathPoint]) -> String {
 const POINTS_HEADER: &str =
     "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
 
-/// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
-/// unit of `scale`.
+/// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm and come before
+/// others, which are in the unit of `scale`.
 ///
 /// The columns are separated by commas, semicolons or tabs and may come in any order; further ones are ignored. The rows with the
 /// same text in `fragment` form one polyline in their order, even with rows of other fragments in between. An empty radius is a
@@ -378,8 +379,8 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
     let mut rows = TableReader::open(bytes)?;
     let header = rows.header_line;
     let [fragment, label, id] = ["fragment", "label", "id"].map(|name| rows.find(&[name]));
-    let [x, y, z] = [["x", "x_mm"], ["y", "y_mm"], ["z", "z_mm"]].map(|names| rows.find(&names));
-    let radius = rows.find(&["radius", "radius_mm", "r", "r_mm"]);
+    let [x, y, z] = [["x_mm", "x"], ["y_mm", "y"], ["z_mm", "z"]].map(|names| rows.find(&names));
+    let radius = rows.find(&["radius_mm", "r_mm", "radius", "r"]);
     let (Some(fragment), Some(x), Some(y), Some(z)) = (fragment, x, y, z) else {
         return Err(Fault::line(header, columns(&rows.header), POINTS_HEADER));
     };

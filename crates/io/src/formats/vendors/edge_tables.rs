@@ -84,7 +84,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
         straight += usize::from(length.is_nan());
         let (ends, size) = (ends.map(|end| end as usize), size.unwrap_or(f64::NAN));
-        add_straight(&mut network, ends, options.scale.length(length), size, &name(&row))
+        add_straight(&mut network, ends, options.scale.course(length), size, &name(&row))
             .ok_or_else(|| fault("no positive length".to_owned(), "expected a positive length or different places"))?;
     }
     ensure(network.vessel_count() > 0, none)?;
@@ -205,9 +205,9 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         let radius = area.or(radius).map_or(f64::NAN, |radius| options.scale.length(radius));
         let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
         ensure(!radius.is_nan() || options.is_radius_optional(), || fault("no valid radius".to_owned(), accepted))?;
-        let length = valid(Some(length))?.map_or(f64::NAN, |length| options.scale.length(length));
+        let length = valid(Some(length))?.unwrap_or(f64::NAN);
         straight += usize::from(length.is_nan());
-        add_straight(&mut network, at, length, radius, label.map_or("", |label| row.text(label)))
+        add_straight(&mut network, at, options.scale.course(length), radius, label.map_or("", |label| row.text(label)))
             .ok_or_else(|| fault("no valid length, and both nodes in one place".to_owned(), "expected a positive length"))?;
     }
     ensure(network.vessel_count() > 0, || Fault::file("no edges", "expected a row for every edge"))?;

@@ -110,6 +110,7 @@ pub(in crate::formats) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault>
 struct MarkupsMeasurement {
     #[serde(default)]
     name: String,
+    units: Option<Value>,
     control_point_values: Option<Vec<Option<f64>>>,
 }
 
@@ -153,7 +154,7 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
             let position = point.position().map(|p| frame.turn(Frame::Lps, p));
             let position = position.map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
             let wrong = || Fault::item(item(), format!("control point {at} without a position"), "expected three finite numbers");
-            let radius = radii.and_then(|radii| radii[at]).map_or(f64::NAN, |r| scale.length(r));
+            let radius = radii.and_then(|(radii, unit)| Some(scale.in_unit(unit).length(radii[at]?))).unwrap_or(f64::NAN);
             let radius = if is_radius(radius) { radius } else { f64::NAN };
             let point = lines.add_point(position.ok_or_else(wrong)?, radius, u64::from(lines.points.len() as u32), row as u32);
             if point > first {
@@ -181,30 +182,43 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     Ok((lines, notes.collect()))
 }
 
-/// The unit that a markup states: a code, or an array that begins with it.
+/// The unit that a markup states.
 pub(in crate::formats) fn unit(markup: &Markup, given: &Scale, item: impl Fn() -> String) -> Result<Option<LengthUnit>, Fault> {
-    let code = markup.coordinate_units.as_ref().map(|units| units.get(0).unwrap_or(units).as_str().unwrap_or_default());
+    coded_unit("coordinateUnits", markup.coordinate_units.as_ref(), given, item)
+}
+
+/// The unit of a code, or of an array that begins with it.
+fn coded_unit(name: &str, code: Option<&Value>, given: &Scale, item: impl Fn() -> String) -> Result<Option<LengthUnit>, Fault> {
+    let code = code.map(|units| units.get(0).unwrap_or(units).as_str().unwrap_or_default());
     stated_unit(code, given, || {
-        let found = format!("coordinateUnits {}", code.unwrap_or_default().escape_debug());
+        let found = format!("{name} {}", code.unwrap_or_default().escape_debug());
         Fault::item(item(), found, "expected mm, um, cm or m")
     })
 }
 
+/// Values at control points, and the unit that is stated of them.
+type PointValues<'a> = (&'a [Option<f64>], Option<LengthUnit>);
+
 /// The radius at every control point of a markup; `None` without radii where they are optional, and without points.
-fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
+fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<PointValues<'a>>, Fault> {
     let called = |name: &str| {
         let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
-        found.find_map(|m| m.control_point_values.as_deref().map(|values| (m.name.as_str(), values)))
+        found.find_map(|m| m.control_point_values.as_deref().map(|values| (m, values)))
     };
     let named = options.radius_array.as_deref();
     let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
     match (found, named) {
-        (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
+        (Some((measured, values)), _) if values.len() == markup.control_points.len() => {
+            let code = measured.units.as_ref().filter(|units| *units != "");
+            let unit = coded_unit(&format!("units of {}", measured.name), code, &options.scale, item)?;
+            Ok(Some((values, unit)))
+        }
         // A curve that was resampled keeps the values of its old points.
         (_, None) if options.is_radius_optional() => Ok(None),
         _ if markup.control_points.is_empty() => Ok(None),
-        (Some((name, values)), _) => {
-            let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
+        (Some((measured, values)), _) => {
+            let (name, points) = (measured.name.escape_debug(), markup.control_points.len());
+            let found = format!("{} values of {name} for {points} points", values.len());
             Err(Fault::item(item(), found, "expected one for each control point, or give `default_radius`"))
         }
         (None, Some(name)) => {

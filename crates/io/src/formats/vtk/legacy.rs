@@ -16,13 +16,7 @@ const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STR
 /// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
 /// no radius array, or a surface instead of lines.
 pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut cursor = VtkCursor { bytes, at: 0, binary: false, section: String::new() };
-    let frame = head(&mut cursor)?;
-    let mut reader = Reader { cursor, options, data: PolyData::default(), frame, cells: [0; 4], group: None };
-    while let Some(keyword) = reader.cursor.word() {
-        reader.section(keyword)?;
-    }
-    let Reader { mut data, frame, cells: [verts, lines, polygons, strips], .. } = reader;
+    let Reader { mut data, frame, cells: [verts, lines, polygons, strips], .. } = Reader::of(bytes, options)?;
     let mut notes = check_cells(lines, verts, polygons + strips, "expected LINES")?;
     // Cell data counts vertex cells before lines, wherever they stand in the file.
     for array in &mut data.line_data {
@@ -35,6 +29,12 @@ pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let (lines, more) = centerlines(&[data], options)?;
     notes.extend(more);
     Ok((Centerlines { frame, ..lines }, notes))
+}
+
+/// The names of the arrays of points and cells; none of a file that cannot be read.
+pub(crate) fn names_of_arrays(bytes: &[u8]) -> Option<Vec<String>> {
+    let PolyData { point_data, line_data, .. } = Reader::of(bytes, &ReadOptions::default()).ok()?.data;
+    Some(point_data.into_iter().chain(line_data).map(|array| array.name).collect())
 }
 
 /// The four lines before the data; returns the frame that the title states as 3D Slicer does.
@@ -67,7 +67,18 @@ struct Reader<'a> {
     group: Option<(bool, usize)>,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    /// Reads a whole file.
+    fn of(bytes: &'a [u8], options: &'a ReadOptions) -> Result<Self, Fault> {
+        let mut cursor = VtkCursor { bytes, at: 0, binary: false, section: String::new() };
+        let frame = head(&mut cursor)?;
+        let mut reader = Self { cursor, options, data: PolyData::default(), frame, cells: [0; 4], group: None };
+        while let Some(keyword) = reader.cursor.word() {
+            reader.section(keyword)?;
+        }
+        Ok(reader)
+    }
+
     fn section(&mut self, keyword: &str) -> Result<(), Fault> {
         let keyword = keyword.to_ascii_uppercase();
         if keyword == "METADATA" {

@@ -177,8 +177,14 @@ fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
     let has = if all.is_empty() { "there are none".to_owned() } else { format!("there are {all}") };
     match name {
         Some(name) => {
-            let known = piece.point_data.iter().chain(&piece.line_data).map(|a| a.name.as_str());
-            Fault::file(format!("no point array \"{name}\""), format!("{}{has}", did_you_mean(name, known)))
+            let known = || piece.point_data.iter().chain(&piece.line_data).map(|a| a.name.as_str());
+            if known().any(|known| known == name) {
+                return Fault::file(
+                    format!("array \"{name}\" of texts or vectors"),
+                    "expected one number for each point or line",
+                );
+            }
+            Fault::file(format!("no point array \"{name}\""), format!("{}{has}", did_you_mean(name, known())))
         }
         None => Fault::file(
             format!("no point array {}", RADII[..NAMED].join(", ")),
