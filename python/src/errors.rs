@@ -34,5 +34,7 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
         _ => {}
     }
     let class = py.import("willis._errors")?.getattr("WillisError")?;
-    Ok(PyErr::from_value(class.call((printable(&arguments_in(&error.to_string())),), Some(&fields))?))
+    // Functions call the place where they write folder, path or output.
+    let text = arguments_in(&error.to_string()).replace("another `output`", "another place");
+    Ok(PyErr::from_value(class.call((printable(&text),), Some(&fields))?))
 }

@@ -90,6 +90,13 @@ impl Watch {
 /// The progress of some work, for the thread that watches.
 pub struct Follower<'a>(&'a Watch);
 
+impl Follower<'_> {
+    /// Says facts under headings.
+    pub fn say(&self, said: Vec<(String, String)>) {
+        self.0.state().said.extend(said);
+    }
+}
+
 impl Progress for Follower<'_> {
     fn report(&mut self, done: u64, total: u64) -> bool {
         let mut state = self.0.state();

@@ -24,11 +24,14 @@ fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| cli::main(words))
 }
 
-/// Runs a command by its words, the first being the subcommand, and raises what goes wrong.
+/// Runs a command by its words, the first being the subcommand, and raises what goes wrong; `say` hears what it says.
 #[pyfunction]
-fn call(py: Python<'_>, words: Vec<String>) -> PyResult<()> {
-    let watch = Watch::default();
-    interruptible(py, &watch, None, None, None, |_| cli::call(words))?
+fn call(py: Python<'_>, words: Vec<String>, say: &Bound<'_, PyAny>) -> PyResult<()> {
+    interruptible(py, &Watch::default(), None, None, Some(say), |follower| {
+        let (said, result) = cli::words::called(words);
+        follower.say(said);
+        result
+    })?
 }
 
 /// The bytes that a size such as `2GiB` is; none where it is no size.
@@ -73,6 +76,8 @@ mod _willis {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::interrupt::remember_process();
+        // A command line without a command: from now on notes name arguments as Python has them.
+        let _ = super::cli::check(["willis".into()]);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -279,8 +279,9 @@ impl Run {
     }
 
     /// Writes the folder of the command; what a person should know.
-    fn save(&self, py: Python<'_>, folder: PathBuf, dpi: u32) -> PyResult<Vec<String>> {
-        computed(py, || self.run.save(&folder, &SaveOptions { dpi }))
+    fn save(&self, py: Python<'_>, folder: PathBuf, force: bool, dpi: u32) -> PyResult<Vec<String>> {
+        let written = |staged: &StagedFolder| self.run.write(&staged.path(), &SaveOptions { dpi });
+        computed(py, || Ok(StagedFolder::fill(&folder, force, written)?.1))
     }
 
     /// All that it takes to make it again.
@@ -391,10 +392,10 @@ pub fn modulate(
 #[pymethods]
 impl Modulation {
     /// Writes the folder of the command.
-    fn save(&self, py: Python<'_>, folder: PathBuf, instances: bool, dpi: u32) -> PyResult<()> {
+    fn save(&self, py: Python<'_>, folder: PathBuf, instances: bool, force: bool, dpi: u32) -> PyResult<()> {
         let Self { input, boundary, options, threshold, .. } = self;
         interruptible(py, &Watch::default(), None, None, None, |follower| {
-            StagedFolder::fill(&folder, false, |staged| {
+            StagedFolder::fill(&folder, force, |staged| {
                 let run = willis::modulate_with(input, boundary, options, *threshold, follower)?;
                 run.write(&staged.path(), instances, &SaveOptions { dpi })
             })
@@ -411,9 +412,9 @@ pub struct Phenotype {
 /// Classifies the Circle of Willis of a scan, or of the folder of a run, by the words of the command.
 #[pyfunction]
 pub fn classify(py: Python<'_>, scan: &Scan, words: Vec<String>) -> PyResult<Phenotype> {
-    let found = interruptible(py, &Watch::default(), None, None, None, |_| {
+    let found = interruptible(py, &Watch::default(), None, None, None, |follower| {
         let (source, phenotypes) = words::classify(scan.path(), &words)?;
-        willis::classify(&scan.input, source.as_ref(), &phenotypes, &mut Silent)
+        willis::classify(&scan.input, source.as_ref(), &phenotypes, follower)
     })?;
     found.map(|phenotype| Phenotype { phenotype })
 }

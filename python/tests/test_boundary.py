@@ -93,6 +93,44 @@ def test_decisions_that_are_none_are_refused():
     assert run.decide(accept=np.array([row], np.uint8), reject=()).kept[row]
 
 
+CIRCLE = "data/circle-of-willis/complete.graphml"
+
+
+@pytest.mark.parametrize(
+    ("item", "call"),
+    [
+        ("samples", lambda: willis.infer(CIRCLE, samples=False)),
+        ("cut", lambda: willis.infer(CIRCLE, cut=False)),
+        ("seed", lambda: willis.infer(CIRCLE, seed=np.True_)),
+        ("exact", lambda: willis.infer(CIRCLE, exact="no")),
+        ("exact", lambda: willis.infer(CIRCLE, exact=2.5)),
+        ("exact", lambda: willis.cohort([CIRCLE], exact="no")),
+        ("threads", lambda: willis.infer(CIRCLE, threads=-1)),
+        ("threads", lambda: willis.infer(CIRCLE, threads=2.0)),
+        ("threads", lambda: willis.infer(CIRCLE, threads=True)),
+        ("threads", lambda: willis.modulate(CIRCLE, threads=-1)),
+        ("threads", lambda: willis.set_num_threads(-1)),
+        ("classes", lambda: willis.modulate(CIRCLE, classes=[(0,)])),
+        ("classes", lambda: willis.modulate(CIRCLE, classes=[5])),
+        ("stenosis", lambda: willis.simulate(CIRCLE, stenosis={"L-PComm": None})),
+        ("edges", lambda: willis.centerlines(LINE, [[0, 9]], RADII)),
+        ("edges", lambda: willis.centerlines(LINE, [], RADII)),
+        ("points", lambda: willis.centerlines(LINE[:, :2], PAIRS, RADII)),
+    ],
+)
+def test_what_is_wrong_has_the_name_of_its_argument(item, call):
+    with pytest.raises(willis.WillisError, match=f"^{item}") as caught:
+        call()
+    assert caught.value.item.startswith(item)
+
+
+def test_options_of_numpy_and_by_name_are_those_of_python():
+    assert willis.simulate(CIRCLE, transport=np.True_).transit is not None
+    assert willis.simulate(CIRCLE, transport=np.False_).transit is None
+    given = [willis.infer("data/broken-circle-of-willis.swc", samples=10, inlets=inlets) for inlets in ({"1": "60mmHg"}, {1: 60}, ["1=60mmHg"])]
+    assert all(run.nodes["pressure_mmHg"][0] == 60 for run in given)
+
+
 any_array = arrays.arrays(
     dtype=st.one_of(arrays.floating_dtypes(sizes=(32, 64)), arrays.integer_dtypes(), st.just(np.dtype(bool))),
     shape=arrays.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=6),

@@ -47,6 +47,48 @@ def test_a_graph_of_somebody_else():
     assert flow.edges["flow_mL_per_min"] == pytest.approx([by_hand, by_hand], rel=1e-9)
 
 
+def test_networkx_has_the_courses(run):
+    nx = pytest.importorskip("networkx")
+    network = willis.read(BROKEN)
+    back = willis.from_networkx(network.to_networkx(), observed=True)
+    for mine, its in zip(network.lines()[1], back.lines()[1]):
+        assert mine == pytest.approx(its, abs=1e-12) or mine == pytest.approx(its[::-1], abs=1e-12)
+    assert len(run.topology.to_igraph().es["points"]) == run.topology.n_edges
+    bent = nx.read_graphml("data/circle-of-willis/complete.graphml", force_multigraph=True)
+    assert same(willis.from_networkx(bent).edges["length_mm"], willis.read("data/circle-of-willis/complete.graphml").edges["length_mm"])
+
+
+@pytest.mark.parametrize("kind", ["DiGraph", "MultiDiGraph"])
+def test_a_directed_graph_has_each_vessel_once(kind):
+    nx = pytest.importorskip("networkx")
+    graph = nx.Graph()
+    for name, x in (("a", 0), ("b", 10), ("c", 20)):
+        graph.add_node(name, pos=(x, 0, 0))
+    graph.add_edge("a", "b", radius_mm=1.0)
+    graph.add_edge("b", "c", radius_mm=0.8)
+    flow = [willis.simulate(willis.from_networkx(graph), inlets=["a"], outlets=["c"]).edges["flow_mL_per_min"]]
+    with pytest.warns(willis.Note, match="the graph is directed"):
+        twice = willis.from_networkx(getattr(nx, kind)(graph))
+    flow.append(willis.simulate(twice, inlets=["a"], outlets=["c"]).edges["flow_mL_per_min"])
+    assert same(*flow)
+
+
+def test_a_position_is_three_numbers():
+    nx = pytest.importorskip("networkx")
+
+    def at(pos):
+        graph = nx.Graph()
+        graph.add_node("a", pos=pos)
+        graph.add_node("b", pos=(9, 0, 0))
+        graph.add_edge("a", "b", radius_mm=1.0, length_mm=9.0)
+        return willis.from_networkx(graph)
+
+    assert at(np.zeros(3, np.float32)).nodes["x_mm"].tolist() == [0, 9]
+    for wrong in (5, (0, 0), (0, 0, 0, 7), ("a", 0, 0), {"x": 1}):
+        with pytest.raises(willis.WillisError, match="^pos"):
+            at(wrong)
+
+
 def test_igraph_has_every_vessel(run):
     pytest.importorskip("igraph")
     graph = run.graph.to_igraph()
@@ -84,6 +126,18 @@ def test_vtk_comes_in(run):
     back = willis.from_vtk(network.to_vtk())
     for name in ("length_mm", "radius_mm"):
         assert back.edges[name] == pytest.approx(network.edges[name], rel=1e-6)
+
+
+def test_vtk_has_names_in_any_language():
+    pytest.importorskip("vtkmodules")
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    for name in ("Größe", "半径"):
+        lines = willis.read(BROKEN).to_vtk()
+        radii = numpy_to_vtk(np.full(lines.GetNumberOfPoints(), 0.7), deep=1)
+        radii.SetName(name)
+        lines.GetPointData().AddArray(radii)
+        assert willis.from_vtk(lines, radius_array=name).edges["radius_mm"] == pytest.approx(0.7)
 
 
 def test_skan_measures_the_same_lengths(run):

@@ -251,8 +251,11 @@ def test_errors_say_what_where_and_what_else(tmp_path):
     with pytest.raises(willis.WillisError, match="max_gap") as caught:
         willis.infer(BROKEN, max_gap=-3)
     assert caught.value.item == "max_gap" and "positive" in caught.value.expected
-    with pytest.raises(willis.WillisError, match="arrays.npz"):
+    with pytest.raises(willis.WillisError, match="^edges") as caught:
         willis.centerlines([[0, 0, 0], [1, 0, 0]], [[0, 5]], [1, 1])
+    assert caught.value.item.startswith("edges")
+    with pytest.raises(willis.WillisError, match="^points"):
+        willis.centerlines(np.zeros((5, 2)), [[0, 1]], np.ones(5))
     with pytest.raises(willis.WillisError):
         willis.centerlines([[0, 0, 0], [np.nan, 0, 0]], [[0, 1]], [1, 1])
     with pytest.raises(willis.WillisError):
@@ -478,3 +481,85 @@ def test_vessels_that_no_inlet_feeds_stay_or_go(tmp_path):
         both.save(tmp_path / "a.graphml", unfed="drop")
     with pytest.raises(willis.WillisError, match="expected drop or keep"):
         both.save(tmp_path / "a.graphml", unfed="neither")
+
+
+def test_a_network_stays_that_of_its_file_in_another_folder(tmp_path, monkeypatch):
+    for name, y in (("a", 10), ("b", 99)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "x.swc").write_text(f"1 0 0 0 0 1 -1\n2 0 {y} 0 0 1 1\n")
+    monkeypatch.chdir(tmp_path / "a")
+    network = willis.read("x.swc")
+    packed = pickle.dumps(network)
+    monkeypatch.chdir(tmp_path / "b")
+    for again in (copy.copy(network), copy.deepcopy(network), pickle.loads(packed)):
+        assert again.edges["length_mm"] == pytest.approx([10])
+
+
+def test_what_commands_say_is_a_note(tmp_path):
+    mask = np.zeros((40, 12, 12), dtype=np.uint8)
+    mask[2:38, 4:8, 4:8] = 1
+    np.save(tmp_path / "mask.npy", mask)
+    with pytest.warns(willis.Note) as of_reading:
+        willis.read(tmp_path / "mask.npy", spacing=0.5)
+    said = {str(note.message) for note in of_reading}
+    network = tmp_path / "mask.nii.gz"
+    command("phantom", "cerebral", "--break", "--seed", "7", "--spacing", "0.8mm", "-o", str(network), "--quiet")
+    with pytest.warns(willis.Note) as of_reading:
+        willis.read(network)
+    said = {str(note.message) for note in of_reading}
+    for function in (willis.measure, willis.label):
+        with pytest.warns(willis.Note) as notes:
+            function(network)
+        assert said <= {str(note.message) for note in notes}
+
+
+def test_a_run_that_no_command_makes_names_none(tmp_path):
+    run = willis.infer(BROKEN, samples=64)
+    row = int(np.flatnonzero(run.edges["origin"] == "candidate")[0])
+    for name, one, has in (("run", run, True), ("other", run.rekeep("probability=0.7"), False), ("decided", run.decide(accept=[row]), False)):
+        one.save(tmp_path / name, dpi=36)
+        assert bool(json.loads((tmp_path / name / "run.json").read_text())["command"]) == has
+
+
+def test_a_folder_is_replaced_where_that_is_asked_for(tmp_path):
+    run = willis.infer(BROKEN, samples=64)
+    run.save(tmp_path / "out", dpi=36)
+    with pytest.raises(willis.WillisError, match="choose another place or give force="):
+        run.save(tmp_path / "out")
+    run.save(tmp_path / "out", force=True, dpi=36)
+    for dpi in (-5, 2.5, 2**40):
+        with pytest.raises(willis.WillisError) as caught:
+            run.save(tmp_path / "again", dpi=dpi)
+        assert caught.value.item == "dpi"
+
+
+def test_texts_come_back_from_a_folder_as_they_were(tmp_path):
+    nx = pytest.importorskip("networkx")
+    graph = nx.Graph()
+    for name, x in (("-5", 0), ("=b", 10), ("c", 20)):
+        graph.add_node(name, pos=(x, 0, 0))
+    graph.add_edge("-5", "=b", radius_mm=1.0, label="=1+1")
+    graph.add_edge("=b", "c", radius_mm=0.8, label="'q", origin="candidate")
+    run = willis.infer(willis.from_networkx(graph), samples=50, inlets=["-5"], outlets=["c"])
+    run.save(tmp_path / "out", dpi=36)
+    saved = willis.load(tmp_path / "out")
+    assert saved.edges["label"].tolist() == run.edges["label"].tolist() == ["=1+1", "'q"]
+    assert saved.nodes["id"].tolist() == run.nodes["id"].tolist()
+
+
+def test_folders_of_other_commands_are_refused(tmp_path):
+    circle = "data/circle-of-willis/complete.graphml"
+    willis.simulate(circle).save(tmp_path / "simulated", dpi=36)
+    command("measure", circle, "-o", str(tmp_path / "measured"), "--quiet")
+    for name in ("simulated", "measured"):
+        with pytest.raises(willis.WillisError, match="expected the folder of a run of infer"):
+            willis.load(tmp_path / name)
+
+
+def test_the_topology_of_a_run_knows_what_is_kept():
+    run = willis.infer(BROKEN, samples=64)
+    landmarks = "data/broken-circle-of-willis.landmarks.csv"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", willis.Note)
+        found = willis.classify(run.topology, landmarks=landmarks).record["segments"]
+    assert found == willis.classify(run, landmarks=landmarks).record["segments"]

@@ -8,11 +8,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from . import _willis
-from ._errors import Note
-from ._following import PathLike, Progress, followed, say
-from ._network import Source, Table, defaults_of, network_of
-from ._words import Repeated, conditions, text, words
+from ._errors import Note, WillisError
+from ._following import PathLike, Progress, followed, say, threads_of
+from ._network import Source, Table, defaults_of, network_of, numbers
+from ._words import Nodes, Repeated, conditions, text, whole, words
 
 
 class Simulation:
@@ -37,7 +39,7 @@ class Simulation:
 
     def save(self, folder: PathLike, *, force: bool = False, dpi: int = 150) -> None:
         """Writes the folder that ``willis simulate`` writes."""
-        for note in self._simulation.save(Path(folder), force, dpi):
+        for note in self._simulation.save(Path(folder), force, whole("dpi", dpi)):
             warnings.warn(note, Note, stacklevel=2)
 
     def __str__(self) -> str:
@@ -51,9 +53,9 @@ def simulate(
     occlude: Sequence[str] | None = None,
     tortuosity: Mapping[str, float] | None = None,
     viscosity: str = "3.5cP",
-    inlets: Sequence[str | int] | None = None,
-    outlets: str | Sequence[str | int] | None = None,
-    flows: Sequence[str] | None = None,
+    inlets: Nodes | None = None,
+    outlets: str | Nodes | None = None,
+    flows: Nodes | None = None,
     bc: PathLike | None = None,
     transport: bool = False,
     occlude_each: bool = False,
@@ -81,7 +83,7 @@ def simulate(
     one period (``time_s``, and ``pressure_mmHg`` or ``flow_mL_per_min``), or a path for each of several inlets by name. The options
     after it go with it, as texts of the command (``wall="pwv=8m/s"``).
     """
-    narrowed = {name: by if isinstance(by, str) else f"{100 * by:.15g}%" for name, by in (stenosis or {}).items()}
+    narrowed = {name: by if isinstance(by, str) else _percent(by) for name, by in (stenosis or {}).items()}
     if isinstance(pulse, Mapping):
         waves = [f"{node}={text(file)}" for node, file in pulse.items()]
     else:
@@ -112,6 +114,16 @@ def simulate(
     return Simulation(_willis.simulate(network._scan, network._reading + made))
 
 
+def _percent(by: float) -> str:
+    return f"{100 * float(numbers('stenosis', [by])[0]):.15g}%"
+
+
+def _pair(one: Sequence[float]) -> Sequence[float]:
+    if np.shape(one) != (2,):
+        raise WillisError(f"classes {one!r}: expected pairs, low and high", item="classes", value=repr(one), expected="pairs, low and high")
+    return one
+
+
 class Modulation:
     """How a network responds to resistances that vary at random."""
 
@@ -124,9 +136,9 @@ class Modulation:
         record: dict[str, Any] = json.loads(self._modulation.record)
         return record
 
-    def save(self, folder: PathLike, *, save_samples: bool = False, dpi: int = 150) -> None:
-        """Writes the folder that ``willis modulate`` writes."""
-        self._modulation.save(Path(folder), save_samples, dpi)
+    def save(self, folder: PathLike, *, save_samples: bool = False, force: bool = False, dpi: int = 150) -> None:
+        """Writes the folder that ``willis modulate`` writes; ``force`` replaces the one of an earlier run."""
+        self._modulation.save(Path(folder), save_samples, force, whole("dpi", dpi))
 
 
 def modulate(
@@ -148,7 +160,7 @@ def modulate(
     ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2; ``unfed="drop"`` leaves out vessels that no inlet feeds.
     """
     given = {
-        "classes": ",".join(f"{text(low)}:{text(high)}" for low, high in classes),
+        "classes": ",".join(":".join(map(text, _pair(one))) for one in classes),
         "samples": samples,
         "seed": seed,
         "reading": reading,
@@ -160,6 +172,6 @@ def modulate(
     network = network_of(source)
     defaults = {**defaults_of(modulate), "classes": "0:0.2,0.2:0.3,0.3:0.5"}
     all_words = network._reading + words(given, defaults)
-    watch = _willis.Watch()
+    watch, threads = _willis.Watch(), threads_of(threads)
     work = lambda told: _willis.modulate(network._scan, all_words, watch, threads, told, say)  # noqa: E731
     return Modulation(followed(progress, work))

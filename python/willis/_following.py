@@ -11,6 +11,7 @@ from typing import Any, Union
 
 from . import _willis
 from ._errors import Note
+from ._words import whole
 
 PathLike = Union[str, "os.PathLike[str]"]
 Progress = Union[bool, Callable[[int, int], object]]
@@ -70,4 +71,8 @@ def followed(progress: Progress, work: Callable[[Callable[[int, int], object] | 
 
 def set_num_threads(threads: int) -> None:
     """So many threads from now on, where a call does not say otherwise; at first as many as ``RAYON_NUM_THREADS`` says, or processors."""
-    _willis.set_num_threads(threads)
+    _willis.set_num_threads(whole("threads", threads))
+
+
+def threads_of(threads: int | None) -> int | None:
+    return None if threads is None else whole("threads", threads)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import io
+import re
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -80,24 +81,36 @@ class Network:
                 return Table({name: arrays[name] for name in arrays.files})
 
     def to_networkx(self) -> Any:
-        """A ``networkx.MultiGraph`` whose nodes and edges have the columns as attributes; nodes are rows."""
+        """A ``networkx.MultiGraph`` whose nodes and edges have the columns as attributes; nodes are rows. Edges have their course as ``points``,
+        as GraphML has it: ``x y z r;x y z r`` in mm.
+        """
         nx = library("networkx", "graph")
         graph = nx.MultiGraph()
-        nodes, edges = self.nodes, self.edges
-        ends = self.lines()[0]
+        nodes, edges = self._attributes()
         for row in range(self.n_nodes):
-            graph.add_node(row, **{name: values[row].item() for name, values in nodes.items()})
-        for row, (a, b) in enumerate(ends.tolist()):
-            graph.add_edge(a, b, key=row, **{name: values[row].item() for name, values in edges.items()})
+            graph.add_node(row, **{name: values[row] for name, values in nodes.items()})
+        for row, (a, b) in enumerate(self.lines()[0].tolist()):
+            graph.add_edge(a, b, key=row, **{name: values[row] for name, values in edges.items()})
         return graph
 
     def to_igraph(self) -> Any:
-        """An ``igraph.Graph`` whose vertices and edges have the columns as attributes; vertices are rows."""
+        """An ``igraph.Graph`` whose vertices and edges have the columns as attributes, and edges ``points`` as those of :meth:`to_networkx`;
+        vertices are rows.
+        """
         import igraph
 
-        vertices = {name: values.tolist() for name, values in self.nodes.items()}
-        edges = {name: values.tolist() for name, values in self.edges.items()}
+        vertices, edges = self._attributes()
         return igraph.Graph(self.n_nodes, self.lines()[0].tolist(), vertex_attrs=vertices, edge_attrs=edges)
+
+    def _attributes(self) -> list[dict[str, list[Any]]]:
+        """The columns of the nodes and of the vessels, and the courses of those whose points are more than their nodes."""
+        nodes, edges = ({name: values.tolist() for name, values in table.items()} for table in (self.nodes, self.edges))
+        _, points, radii = self.lines()
+        has_course = [len(line) > 2 or radius[0] != radius[-1] for line, radius in zip(points, radii)]
+        courses = [np.column_stack(course).tolist() if has else [] for has, *course in zip(has_course, points, radii)]
+        if any(courses):
+            edges["points"] = [";".join(" ".join(map(repr, point)) for point in course) for course in courses]
+        return [nodes, edges]
 
     def to_vtk(self) -> Any:
         """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``MaximumInscribedSphereRadius`` at its points,
@@ -213,7 +226,8 @@ def read(
 
 
 def _read(place: Path, name: Path, reading: list[str], run: bool = False) -> Network:
-    scan = _willis.read(name if name.exists() else place, reading, run)
+    # By the name that was given, unless that leads elsewhere by now.
+    scan = _willis.read(name if name.absolute() == place else place, reading, run)
     network = Network(scan, (_read, (place, name, reading, run)), reading)
     _tell_of(network)
     return network
@@ -259,6 +273,15 @@ def numbers(name: str, values: npt.ArrayLike, kinds: str = "biufO") -> npt.NDArr
     return array
 
 
+def place(name: str, value: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Three numbers of mm."""
+    array = numbers(name, value, "iufO")
+    if array.shape != (3,):
+        expected = "three numbers of mm"
+        raise WillisError(f"{name}: an array of shape {array.shape}; expected {expected}", item=name, expected=expected)
+    return array
+
+
 def _check_size(name: str, arrays: Iterable[npt.NDArray[Any]], max_input: int | str = "2GiB") -> None:
     """Refuses arrays that are larger than a file may be before they are packed as one. A size that is none is refused later."""
     most = _willis.byte_count(str(max_input))
@@ -282,7 +305,7 @@ def centerlines(
     ``radii`` (M) with ``lengths`` (M) are those of the edges, each of which is one vessel then. ``labels`` (M) name the edges, ``labels``
     (N) the points; ``frame`` says which way the axes point. The same as reading the NPZ of these arrays.
     """
-    arrays: dict[str, Any] = {"coords": numbers("points", points), "edges": numbers("edges", edges, "biu"), "radii": numbers("radii", radii)}
+    arrays: dict[str, Any] = {"coords": numbers("points", points), "edges": numbers("edges", edges if np.size(edges) else np.empty((0, 2), dtype=np.int64), "biu"), "radii": numbers("radii", radii)}
     if labels is not None:
         arrays["labels"] = numbers("labels", labels, "biufSU")
     if lengths is not None:
@@ -292,7 +315,13 @@ def centerlines(
         arrays[name] = np.asarray(arrays[name], dtype=np.float64)
     packed = io.BytesIO()
     np.savez(packed, **arrays)
-    return read_packed("arrays.npz", packed.getvalue(), words({"frame": frame}, {}))
+    try:
+        return read_packed("arrays.npz", packed.getvalue(), words({"frame": frame}, {}))
+    except WillisError as error:
+        # Where there is no file, its arrays are arguments.
+        message, item = (re.sub(r"\barray ", "", text).replace("coords", "points") for text in (str(error), error.item or ""))
+        message = message.removeprefix("arrays.npz: ")
+        raise WillisError(message, item=item or None, value=error.value, expected=error.expected) from None
 
 
 def from_networkx(graph: Any, *, observed: bool = False, frame: _Axes | None = None) -> Network:
@@ -301,8 +330,11 @@ def from_networkx(graph: Any, *, observed: bool = False, frame: _Axes | None = N
     Nodes have a position: ``x_mm y_mm z_mm``, ``x y z`` or ``pos``, mm. Edges have ``radius_mm`` and ``length_mm``, and may have ``label``,
     ``origin``, ``prior``, ``certain`` and whatever else the page on inputs names. It is a ready candidate graph, as a file of
     GraphML is; with ``observed``, its edges are what was seen, and candidates are built between them. What other attributes there are is
-    left out.
+    left out. Of a directed graph it is ``graph.to_undirected()``, with a note.
     """
+    if graph.is_directed():
+        warnings.warn("the graph is directed: its edges are taken as undirected, those in both directions as one vessel", Note, stacklevel=2)
+        graph = graph.to_undirected(as_view=True)
     nodes = [(node, _plain(values)) for node, values in graph.nodes(data=True)]
     edges = [(a, b, _plain(values)) for a, b, values in graph.edges(data=True)]
     if all(isinstance(values.get("edge"), int) for *_, values in edges):
@@ -329,7 +361,7 @@ def from_networkx(graph: Any, *, observed: bool = False, frame: _Axes | None = N
         number = "double" if all(isinstance(value, (int, float)) for value in given) else "string"
         ElementTree.SubElement(root, "key", {"id": key, "for": kind, "attr.name": name, "attr.type": number})
     root.append(drawn)
-    return read_packed("graph.graphml", ElementTree.tostring(root), words({"observed": observed, "frame": frame}, {}))
+    return read_packed("graph.graphml", ElementTree.tostring(root), words({"observed": observed, "frame": frame}, defaults_of(from_networkx)))
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -338,7 +370,8 @@ def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
     for name, value in values.items():
         value = value.item() if isinstance(value, np.generic) else value
         if name == "pos" and not isinstance(value, str):
-            out.update(zip(("x_mm", "y_mm", "z_mm"), np.asarray(value, dtype=float).tolist()))
+            if value is not None:
+                out.update(zip(("x_mm", "y_mm", "z_mm"), map(float, place("pos", value))))
         elif isinstance(value, (bool, int, float, str)) and value == value and value != "":
             out[str(name)] = int(value) if isinstance(value, bool) else value
     return out
@@ -372,7 +405,7 @@ def from_vtk(
     writer.SetInputData(polydata)
     writer.WriteToOutputStringOn()
     writer.Write()
-    packed = writer.GetOutputString().encode("latin-1")
+    packed = writer.GetOutputString().encode()
     return read_packed("lines.vtp", packed, words({"radius_array": radius_array, "default_radius": default_radius, "frame": frame}, {}))
 
 
@@ -385,7 +418,6 @@ def from_mask(
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",
-    box: Sequence[float] | None = None,
     max_input: int | str = "2GiB",
 ) -> Network:
     """Centerlines of a segmentation: an array of x, y, z, where 0 is background and other whole numbers are classes.

@@ -6,6 +6,7 @@ import atexit
 import csv
 import html
 import json
+import re
 import tempfile
 import threading
 import warnings
@@ -20,9 +21,9 @@ import numpy.typing as npt
 
 from . import _willis
 from ._errors import Note, WillisError, library
-from ._following import PathLike, Progress, followed, say
-from ._network import Network, Source, Table, defaults_of, network_of, numbers, read, read_run
-from ._words import conditions, words
+from ._following import PathLike, Progress, followed, say, threads_of
+from ._network import Network, Source, Table, defaults_of, network_of, numbers, place, read, read_run
+from ._words import Nodes, conditions, whole, words
 
 Place = Sequence[float]
 """Three numbers of mm."""
@@ -131,9 +132,9 @@ class Run:
         edits += [f"delete {places_of([place])}" for place in delete]
         return Run(self._run.decide(accepted, rejected, edits, who, now()))
 
-    def save(self, folder: PathLike, *, dpi: int = 150) -> None:
-        """Writes the folder that ``willis infer`` writes, byte for byte but for the times in run.json."""
-        for note in self._run.save(Path(folder), dpi):
+    def save(self, folder: PathLike, *, force: bool = False, dpi: int = 150) -> None:
+        """Writes the folder that ``willis infer`` writes, byte for byte but for the times in run.json; ``force`` replaces the one of an earlier run."""
+        for note in self._run.save(Path(folder), force, whole("dpi", dpi)):
             warnings.warn(note, Note, stacklevel=2)
 
     def __str__(self) -> str:
@@ -169,14 +170,7 @@ def now() -> str:
 
 def places_of(places: Iterable[Place]) -> str:
     """Places as decisions have them."""
-    return " + ".join(" ".join(repr(float(x)) for x in _place(place)) for place in places)
-
-
-def _place(place: Place) -> npt.NDArray[Any]:
-    array = numbers("place", place, "iuf")
-    if array.shape != (3,):
-        raise WillisError(f"place: an array of shape {array.shape}; expected three numbers of mm", item="place", expected="three numbers of mm")
-    return array
+    return " + ".join(" ".join(repr(float(x)) for x in place("place", one)) for one in places)
 
 
 def _run_from_bytes(stored: bytes) -> Run:
@@ -296,9 +290,9 @@ def infer(
     attach: Literal["centerline", "ends"] | None = None,
     candidate_radius: Literal["min", "mean"] | None = None,
     max_candidate_radius: float | str | None = None,
-    inlets: Sequence[str | int] | None = None,
-    outlets: str | Sequence[str | int] | None = None,
-    flows: Sequence[str] | None = None,
+    inlets: Nodes | None = None,
+    outlets: str | Nodes | None = None,
+    flows: Nodes | None = None,
     bc: PathLike | None = None,
     landmarks: PathLike | None = None,
     labels: Literal["names", "icafe", "topcow"] | None = None,
@@ -312,7 +306,7 @@ def infer(
 ) -> Any:
     """Finds the plausible topology of centerlines, of a mask or of a candidate graph: what ``willis infer`` does, with its options.
 
-    Lengths are in mm unless they say otherwise. ``inlets`` and ``outlets`` are lists of ``NODE`` or ``NODE=VALUE``; ``outlets`` as one text
+    Lengths are in mm unless they say otherwise. ``inlets`` and ``outlets`` are lists of ``NODE`` or ``NODE=VALUE``, or values by node; ``outlets`` as one text
     is the rule for those that willis finds (``"ground"``, ``"murray=700mL/min"``).
 
     Parameters
@@ -336,12 +330,12 @@ def infer(
     WillisError
         What is wrong, and what is accepted.
     KeyboardInterrupt
-        Ctrl-C, within 0.2 s.
+        Ctrl-C, within 0.2 s while samples are taken.
     """
     given = dict(locals())
     for name in ("source", "background", "threads", "progress"):
         del given[name]
-    watch = _willis.Watch()
+    watch, threads = _willis.Watch(), threads_of(threads)
     prepared = _prepared(network_of(source), given, defaults_of(infer), watch, threads)
     if background:
         return Handle(prepared, threads, progress)
@@ -373,9 +367,9 @@ def candidates(
     attach: Literal["centerline", "ends"] | None = None,
     candidate_radius: Literal["min", "mean"] | None = None,
     max_candidate_radius: float | str | None = None,
-    inlets: Sequence[str | int] | None = None,
-    outlets: str | Sequence[str | int] | None = None,
-    flows: Sequence[str] | None = None,
+    inlets: Nodes | None = None,
+    outlets: str | Nodes | None = None,
+    flows: Nodes | None = None,
     bc: PathLike | None = None,
 ) -> Network:
     """Builds the over-connected graph and stops: what ``willis candidates`` does; the options are those of :func:`infer`."""
@@ -397,13 +391,15 @@ class SavedRun:
         try:
             #: What run.json holds.
             self.record: dict[str, Any] = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
+            #: The nodes of the graph that was sampled, with the columns of nodes.csv.
+            self.nodes = table_of(self.folder / "nodes.csv")
+            #: Every vessel of the graph that was sampled, with the columns of edges.csv.
+            self.edges = table_of(self.folder / "edges.csv")
+            if "kept" not in self.edges:
+                raise ValueError("edges.csv says of no vessel whether it is kept")
         except (OSError, ValueError) as error:
             expected = "the folder of a run of infer"
             raise WillisError(f"{named}: {error}; expected {expected}", file=named, expected=expected) from None
-        #: The nodes of the graph that was sampled, with the columns of nodes.csv.
-        self.nodes = table_of(self.folder / "nodes.csv")
-        #: Every vessel of the graph that was sampled, with the columns of edges.csv.
-        self.edges = table_of(self.folder / "edges.csv")
 
     @property
     def likelihood(self) -> Any:
@@ -482,10 +478,14 @@ _TEXT |= {f"{name}_{reader}" for name in ("decision", "who", "comment") for read
 _WHOLE = frozenset({"rank", "node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 
 
+# The apostrophe before what a spreadsheet would take for a formula.
+_GUARD = re.compile(r"^'(?='*[=+\-@\t\r＝＋－＠])")
+
+
 def table_of(path: Path) -> Table:
     """The columns of a table that willis wrote; a number that is missing is NaN."""
     with path.open(newline="", encoding="utf-8") as file:
-        names, *rows = list(csv.reader(file))
+        names, *rows = [[_GUARD.sub("", cell) for cell in row] for row in csv.reader(file)]
     out = Table()
     for name, values in zip(names, zip(*rows) if rows else [()] * len(names)):
         # A subject that failed has none.

@@ -17,7 +17,7 @@ from ._errors import Note, WillisError
 from ._following import PathLike, say
 from ._network import _Axes, Network, Source, Table, defaults_of, network_of, read, read_run
 from ._run import Run, SavedRun, infer, table_of
-from ._words import Repeated, conditions, words
+from ._words import Nodes, Repeated, conditions, words
 
 
 class Phenotype:
@@ -99,7 +99,7 @@ def label(source: PathLike, *, model: PathLike | None = None, frame: _Axes | Non
     """Names the arteries of a file from their geometry alone: what ``willis label`` does."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "labelled.graphml")
-        _willis.call(["label", os.fspath(source), "-o", str(out), *words({"model": model, "frame": frame}, {})])
+        _willis.call(["label", os.fspath(source), "-o", str(out), *words({"model": model, "frame": frame}, {})], say)
         return Labelled(Path(folder))
 
 
@@ -133,7 +133,7 @@ def measure(
     source: Source | Run | SavedRun | Sequence[PathLike],
     *,
     smoothing: str | float | None = None,
-    inlets: Sequence[str | int] | None = None,
+    inlets: Nodes | None = None,
     brain: PathLike | None = None,
     hypoplastic: str | float | None = None,
     participants: PathLike | None = None,
@@ -164,13 +164,13 @@ def measure(
                 "hypoplastic": hypoplastic,
                 "participants": participants,
                 "compare": compare,
-                "measures": None if measures is None else ",".join(measures),
+                "measures": None if measures is None else ",".join(Repeated(measures).values),
                 "seed": seed or None,
                 "reader": Repeated(readers),
             },
             {},
         )
-        _willis.call(["measure", *_inputs(given), "-o", str(folder / "measured"), *made])
+        _willis.call(["measure", *_inputs(given), "-o", str(folder / "measured"), *made], say)
         return Measured(folder / "measured")
 
 
@@ -243,7 +243,7 @@ def _made(command: str, inputs: list[str], output: PathLike | None, made: list[s
         # A pattern that finds one file makes a cohort of one; a table may be a manifest.
         inputs = [f"{glob.escape(inputs[0][:-1])}[{inputs[0][-1]}]"]
     try:
-        _willis.call([command, *inputs, "-o", str(folder), *made])
+        _willis.call([command, *inputs, "-o", str(folder), *made], say)
     except WillisError as error:
         if not (folder / "cohort.csv").exists():
             raise
@@ -268,7 +268,7 @@ def train(
     """Fits a model to cases whose true connections are known, and writes it: what ``willis train`` does."""
     onto = {"images_onto": images_onto, "calibrate_onto": calibrate_onto, "calibrate_with": Repeated(calibrate_with)}
     given = {"model": model, "folds": folds, "l2": l2, "passes": passes, "save_folds": save_folds, **onto, "force": force}
-    _willis.call(["train", *[os.fspath(case) for case in cases], "-o", os.fspath(output), *words(given, defaults_of(train))])
+    _willis.call(["train", *[os.fspath(case) for case in cases], "-o", os.fspath(output), *words(given, defaults_of(train))], say)
 
 
 def phantom(

@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
+import operator
 import os
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Union
+
+from ._errors import WillisError
+
+Nodes = Union[Sequence[Union[str, int]], Mapping[Any, Union[str, float]]]
+"""``NODE`` or ``NODE=VALUE`` each, or values by node."""
 
 
 def text(value: Any) -> str:
     """A value as it is typed."""
     if isinstance(value, (list, tuple)) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0):
         return ",".join(text(one) for one in value)
-    if hasattr(value, "item"):
-        value = value.item()
+    value = _plain(value)
     if isinstance(value, float):
         return repr(value)
     return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    """A number of NumPy as one of Python."""
+    return value.item() if hasattr(value, "item") and not getattr(value, "ndim", 0) else value
+
+
+def whole(name: str, value: Any, most: int = 2**32 - 1) -> int:
+    """A whole number for the compiled part, which knows its range."""
+    is_whole = hasattr(value, "__index__") and not isinstance(value, bool)
+    if not is_whole or not 0 <= operator.index(value) <= most:
+        expected = "a whole number that is not negative" if not is_whole or operator.index(value) < 0 else f"at most {most}"
+        raise WillisError(f"{name} {value!r}: expected {expected}", item=name, value=repr(value), expected=expected)
+    return operator.index(value)
 
 
 def words(given: dict[str, Any], defaults: dict[str, Any]) -> list[str]:
@@ -25,10 +44,11 @@ def words(given: dict[str, Any], defaults: dict[str, Any]) -> list[str]:
         if value is None or (name in defaults and _same(value, defaults[name])):
             continue
         flag = ("-" if len(name) == 1 else "--") + name.replace("_", "-")
-        if value is True:
-            out.append(flag)
-        elif value is False:
-            continue
+        if isinstance(plain := _plain(value), bool) != isinstance(defaults.get(name), bool):
+            expected = "a value, neither True nor False" if isinstance(plain, bool) else "True or False"
+            raise WillisError(f"{name} {value!r}: expected {expected}", item=name, value=repr(value), expected=expected)
+        if isinstance(plain, bool):
+            out.extend([flag] * plain)
         elif isinstance(value, Repeated):
             for one in value.values:
                 out.extend(_pair(flag, text(one)))
@@ -56,8 +76,10 @@ def _same(value: Any, default: Any) -> bool:
 
 
 class Repeated:
-    """An option that is given once for each of several values, or for the only one."""
+    """An option that is given once for each of several values, or for the only one; values by name are ``NAME=VALUE``."""
 
     def __init__(self, values: Any) -> None:
+        if isinstance(values, Mapping):
+            values = [f"{text(name)}={text(value)}" for name, value in values.items()]
         several = isinstance(values, Iterable) and not isinstance(values, str)
         self.values = [] if values is None else list(values) if several else [values]

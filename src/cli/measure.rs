@@ -172,6 +172,13 @@ impl MeasureArgs {
             measured.iter().zip(first).filter_map(|(made, first)| Some((made.as_ref().ok()?, (*first)?))).collect();
         let options = ComparisonOptions { measures: self.measures.clone(), seed: self.seed };
         let columns = compare_groups(names, &subjects, &options)?;
+        let is_compared = |name: &String| (0..columns[0].values.rows()).any(|row| columns[0].values.text(row) == name.as_str());
+        for name in self.measures.iter().filter(|name| !is_compared(name)) {
+            terminal.say(
+                "note",
+                format!("{name} is not compared: it is equal in all subjects, or known of fewer than two of a group"),
+            );
+        }
         let left_out = measured.len() - subjects.len();
         let [a, b] = [true, false].map(|group| subjects.iter().filter(|(_, first)| *first == group).count());
         let ([first, second], compared) = (names, plural(columns[0].values.rows(), "measure"));

@@ -98,6 +98,13 @@ pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
     taken(|terminal| say_simulated(terminal, run))
 }
 
+/// Runs a command inside of another program, as [`call`](super::call) does: what it says, facts under headings, and how it went.
+pub fn called(words: Vec<String>) -> (Vec<(String, String)>, Result<()>) {
+    let mut result = Ok(());
+    let said = taken(|_| result = super::call(words));
+    (said, result)
+}
+
 /// A text of the library, such as an error, with the arguments that it names as they are written: `max_gap` becomes max_gap=.
 pub fn arguments_in(text: &str) -> String {
     let parser = parser();

@@ -158,7 +158,9 @@ impl Inference {
     /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
     /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        self.outcome().topology(&self.decision.kept).network.into_owned()
+        let mut network = self.outcome().topology(&self.decision.kept).network.into_owned();
+        (0..network.vessel_count()).for_each(|row| network.vessel_mut(row).kept = Some(true));
+        network
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
@@ -197,7 +199,7 @@ impl Inference {
         }
     }
 
-    /// The same samples decided on by another rule.
+    /// The same samples decided on by another rule; no command is known that makes this run.
     ///
     /// # Errors
     ///
@@ -207,12 +209,13 @@ impl Inference {
         let mut sampled = self.sampled.clone();
         let prepared = Arc::make_mut(&mut sampled.prepared);
         (prepared.keep, prepared.options.infer.keep) = (rule, Some(rule));
+        prepared.provenance.command.clear();
         sampled.decide()
     }
 
     /// The run again with decisions of a person, as if a list had all of them: accepted connections are certain, rejected ones are gone, those
     /// beside them follow, and then the graph is edited; in that, arteries, inlets and outlets are found. Decisions that the run was made with
-    /// stay. What the page shows of an image stays where it was doubtful before.
+    /// stay. What the page shows of an image stays where it was doubtful before. No command is known that makes this run.
     ///
     /// # Errors
     ///
@@ -238,6 +241,7 @@ impl Inference {
             }
         }
         prepared.provenance.notes = notes.kept;
+        prepared.provenance.command.clear();
         let boundary = prepared.early.boundary(&graph, arteries.as_ref(), prepared.outlets, &prepared.options.infer, progress)?;
         prepared.records.decisions = Some(decided);
         let prepared = Prepared { graph, contacts, uniform_prior, undecided: Some(before), arteries, boundary, ..prepared };

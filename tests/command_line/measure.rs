@@ -450,6 +450,10 @@ fn groups_that_cannot_be_compared_are_refused() {
         );
         assert!(!here.path().join("out").exists(), "{words:?}");
     }
+    // One part each.
+    let words = ["group", "--participants", "participants.tsv", "--measures", "length_mm,parts"];
+    let told = stderr(&willis(here.path(), &[&base[..], &words].concat()));
+    assert!(told.contains("note  parts is not compared") && !told.contains("length_mm is not"), "{told}");
 }
 
 /// What is measured has its name, also one made of labels; what participants have of that name is `given_NAME`.

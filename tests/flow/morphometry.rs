@@ -139,6 +139,15 @@ fn a_fork_has_its_angles_and_the_exponent_of_murray() {
     }
     let wide = fork([1.0, 1.0, 0.5], [40.0, -30.0], 0.0, 0.5);
     assert_eq!(wide.bifurcations[0].murray, None, "no exponent fits a child as wide as the parent");
+    // As wide but for rounding in double and in single precision, and narrower.
+    for (radius, has_exponent) in [("1.9999999999999996", false), ("1.9999998", false), ("1.999998", true)] {
+        let found = of_edges(&format!("a,b,10,2\nb,c,10,{radius}\nb,d,10,0.73\n"), "");
+        let exponent = found.bifurcations[0].murray;
+        assert_eq!(exponent.is_some(), has_exponent, "{radius}: {exponent:?}");
+        if let Some(k) = exponent {
+            close(0.999999_f64.powf(k) + 0.365_f64.powf(k), 1.0, 1e-9, "Murray's law");
+        }
+    }
     // Both children 20 degrees above the x-y plane, 45 to either side: the plane through them holds x only lifted by atan(tan 20 / cos 45).
     let lifted = fork([2.0, 1.5, 1.4], [45.0, -45.0], 20.0, 0.5);
     let wanted = (20.0_f64.to_radians().tan() / 45.0_f64.to_radians().cos()).atan().to_degrees();
@@ -250,6 +259,13 @@ fn of_edges(edges: &str, nodes: &str) -> Morphometry {
         put("nodes.csv", &format!("node,x_mm,y_mm,z_mm\n{nodes}"));
     }
     measured(&willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network, "a")
+}
+
+#[test]
+fn a_vessel_that_no_inlet_reaches_has_no_probability_of_blood() {
+    let found = of_edges("a,b,10,1\nc,d,10,1\n", "");
+    let reached: Vec<(Option<usize>, f64)> = found.vessels.iter().map(|v| (v.generation, v.probability)).collect();
+    assert!(matches!(reached[..], [(Some(0), 1.0), (None, p)] if p.is_nan()), "{reached:?}");
 }
 
 /// Two cylinders in a row are one vessel, however the file turns and orders them, and with or without positions.
@@ -402,20 +418,21 @@ fn dividing_turning_and_resampling_change_little() {
     same(&measured(&divided, "0"), 1e-6, "divided");
 }
 
-/// The vessel that thinning makes of a tube of this radius (mm) around a curve, in voxels of this size (mm).
-fn of_voxels(curve: &[[f64; 3]], radius: f64, voxel: f64) -> Morphometry {
-    let low: [f64; 3] = std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min) - radius - 2.0 * voxel);
+/// The vessel that thinning makes of a tube of this radius (mm) around a curve, in voxels of these sizes (mm).
+fn of_voxels(curve: &[[f64; 3]], radius: f64, voxel: [f64; 3]) -> Morphometry {
+    let low: [f64; 3] =
+        std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min) - radius - 2.0 * voxel[k]);
     let high: [f64; 3] =
-        std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max) + radius + 2.0 * voxel);
-    let shape: [usize; 3] = std::array::from_fn(|k| ((high[k] - low[k]) / voxel).ceil() as usize);
+        std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max) + radius + 2.0 * voxel[k]);
+    let shape: [usize; 3] = std::array::from_fn(|k| ((high[k] - low[k]) / voxel[k]).ceil() as usize);
     let mut classes = vec![0; shape.iter().product()];
-    let reach = (radius / voxel).ceil() as i64 + 1;
+    let reach = (radius / voxel.into_iter().fold(f64::INFINITY, f64::min)).ceil() as i64 + 1;
     for p in curve {
-        let middle: [i64; 3] = std::array::from_fn(|k| ((p[k] - low[k]) / voxel).round() as i64);
+        let middle: [i64; 3] = std::array::from_fn(|k| ((p[k] - low[k]) / voxel[k]).round() as i64);
         for n in 0..(2 * reach + 1).pow(3) {
             let side = 2 * reach + 1;
             let at: [i64; 3] = std::array::from_fn(|k| middle[k] + n / side.pow(k as u32) % side - reach);
-            let off: f64 = (0..3).map(|k| (low[k] + voxel * at[k] as f64 - p[k]).powi(2)).sum();
+            let off: f64 = (0..3).map(|k| (low[k] + voxel[k] * at[k] as f64 - p[k]).powi(2)).sum();
             if off <= radius * radius && (0..3).all(|k| at[k] >= 0 && (at[k] as usize) < shape[k]) {
                 let [x, y, z] = at.map(|x| x as usize);
                 classes[x + shape[0] * (y + shape[1] * z)] = 1;
@@ -425,7 +442,7 @@ fn of_voxels(curve: &[[f64; 3]], radius: f64, voxel: f64) -> Morphometry {
     let affine = std::array::from_fn(|k| {
         std::array::from_fn(|j| {
             if j == k {
-                voxel
+                voxel[k]
             } else if j == 3 {
                 low[k]
             } else {
@@ -443,19 +460,39 @@ fn voxels_bend_no_vessel() {
     for (voxel, radius) in [(0.3, 0.6), (0.5, 1.0), (0.8, 2.0)] {
         let along =
             |steps: usize, at: &dyn Fn(f64) -> [f64; 3]| (0..=steps).map(|i| at(i as f64 / steps as f64)).collect::<Vec<_>>();
-        let turn = 60.0 / 29.0_f64.sqrt();
-        let helix = along(1500, &|t| [5.0 * (turn * t).cos(), 5.0 * (turn * t).sin(), 2.0 * turn * t]);
-        let found = of_voxels(&helix, radius, voxel);
+        let found = of_voxels(&helix(), radius, [voxel; 3]);
         let [vessel] = &*found.vessels else { panic!("{voxel}: {} vessels", found.vessels.len()) };
         close(vessel.shape.radius, radius * MM, 0.05, "radius");
         close(vessel.line.length, 60.0 * MM, 0.06, "length");
         close(vessel.shape.curvature * MM, 5.0 / 29.0, 0.06, "curvature");
         let straight = along(1000, &|t| [32.0 * t, 20.0 * t, 13.2 * t]);
-        let shape = of_voxels(&straight, radius, voxel).vessels[0].shape;
+        let shape = of_voxels(&straight, radius, [voxel; 3]).vessels[0].shape;
         close(shape.distance_metric, 1.0, 0.01, "distance metric");
         // Less than what counts as a bend, a quarter of a radian within a smoothing length of six radii.
         assert!(shape.curvature * 6.0 * radius * MM < 0.25, "{voxel}: {shape:?}");
     }
+}
+
+/// A helix of 60 mm around z, whose curvature is 5/29 a mm.
+fn helix() -> Vec<[f64; 3]> {
+    let turn = 60.0 / 29.0_f64.sqrt();
+    (0..=1500).map(|i| turn * f64::from(i) / 1500.0).map(|t| [5.0 * t.cos(), 5.0 * t.sin(), 2.0 * t]).collect()
+}
+
+/// A tilted ring of 20 mm: in slices thicker than voxels are wide, steps are longer than what is smoothed of a thin vessel, as docs/src/measure.md says.
+#[test]
+fn thick_slices_bend_thin_vessels() {
+    let turn = |i: i32| 2.0 * PI * f64::from(i) / 4000.0;
+    let ring: Vec<[f64; 3]> = (0..4000).map(|i| [20.0 * turn(i).cos(), 16.0 * turn(i).sin(), 12.0 * turn(i).sin()]).collect();
+    let off = |radius, voxel| {
+        let found = of_voxels(&ring, radius, voxel);
+        let longest = found.vessels.iter().max_by(|a, b| a.line.length.total_cmp(&b.line.length)).expect("a vessel");
+        longest.shape.curvature * 20.0 * MM - 1.0
+    };
+    let cubic = [1.0, 2.5].map(|radius| off(radius, [0.5; 3]));
+    assert!(cubic.iter().all(|off| off.abs() < 0.07), "{cubic:?}");
+    let thick = [1.0, 2.5].map(|radius| off(radius, [0.4, 0.4, 1.0]));
+    assert!((0.2..0.5).contains(&thick[0]) && thick[1].abs() < 0.15, "{thick:?}");
 }
 
 /// A circle as narrow as a vessel can bend: three of its radii.

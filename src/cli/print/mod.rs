@@ -75,7 +75,8 @@ impl TextTerminal {
     /// Prints a fact under a heading.
     pub fn say(self, heading: &str, fact: impl AsRef<str>) {
         let taken = TAKEN.with_borrow_mut(|taken| {
-            let lines = taken.as_mut()?;
+            // What is said of one subject among many is in its own notes.
+            let lines = taken.as_mut().filter(|_| !self.of_many)?;
             lines.push((heading.to_owned(), flags_in(fact.as_ref())));
             Some(())
         });

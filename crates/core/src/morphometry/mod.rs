@@ -33,7 +33,7 @@ pub struct MeasuredVessel {
     pub diameter_strahler: Option<usize>,
     /// The length of the way from the nearest inlet to where it begins, m; infinite where none leads there.
     pub from_inlet: f64,
-    /// The product of the probabilities of all connections on that way and within it.
+    /// The product of the probabilities of all connections on that way and within it; not a number where there is none.
     pub probability: f64,
     /// The territory that the way to it or beyond it enters first.
     pub territory: Option<usize>,

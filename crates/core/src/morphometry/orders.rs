@@ -72,16 +72,16 @@ impl InletWays {
 }
 
 /// By line how many bifurcations lie before it, none where no inlet leads, and the product of the probabilities of all connections on the
-/// way to its end.
+/// way to its end, there not a number.
 pub fn generations(network: &Network, ways: &InletWays) -> (Vec<Option<usize>>, Vec<f64>) {
     let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
-    let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
+    let mut probability = vec![f64::NAN; ways.lines.len()];
     for node in &ways.reached {
         let before = ways.arrives_by[*node];
         let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
         for row in &ways.leaving[*node] {
             generation[*row] = Some(here);
-            probability[*row] *= before.map_or(1.0, |row| probability[row]);
+            probability[*row] = probability_within(network, &ways.lines[*row]) * before.map_or(1.0, |row| probability[row]);
         }
     }
     (generation, probability)
@@ -144,6 +144,8 @@ pub fn strahler(ways: &InletWays) -> [Vec<Option<usize>>; 2] {
 
 /// The direction and the width of a vessel are those between so many and so many radii of the widest vessel there.
 const STRETCH: [f64; 2] = [2.0, 6.0];
+/// A child is narrower than its parent by more than this, in parts of the parent: twice what rounding to single precision does to the ratio.
+const NARROWER: f64 = 1.0 / (1 << 22) as f64;
 /// Murray's exponent is looked for up to here.
 const MOST_EXPONENT: f64 = 1e3;
 
@@ -230,9 +232,10 @@ fn leg(line: &VesselLine, row: usize, last: bool, widest: f64, position: Option<
 }
 
 /// The k > 0 at which the k-th powers of the ratios add up to 1, by bisection. Their sum falls with k if every ratio is below 1, from more than
-/// 1 to 0, so there is just one; else there is none.
+/// 1 to 0, so there is just one; else there is none. Files may have radii in single precision, each off by 2⁻²⁴ of itself: a ratio within
+/// [`NARROWER`] of 1 may be 1, where no k would do.
 fn murray(ratios: &[f64]) -> Option<f64> {
-    if ratios.iter().any(|ratio| !(*ratio > 0.0 && *ratio < 1.0)) {
+    if ratios.iter().any(|ratio| !(*ratio > 0.0 && *ratio < 1.0 - NARROWER)) {
         return None;
     }
     let sum = |k: f64| ratios.iter().map(|ratio| ratio.powf(k)).sum::<f64>();
