@@ -215,7 +215,8 @@ fn both_daughters_of_a_bifurcation_are_accepted() {
     let run = |out: &str, more: &[&str]| {
         let output = willis(here, &[&["infer", "fork.swc", "--inlet", "1", "-n", "16", "-q", "-o", out], more].concat());
         assert!(output.status.success(), "{}", stderr(&output));
-        let edges = table(&here.join(out).join("edges.csv")).into_iter().filter(|row| row["kept"] == "1" && row["origin"] == "candidate");
+        let edges =
+            table(&here.join(out).join("edges.csv")).into_iter().filter(|row| row["kept"] == "1" && row["origin"] == "candidate");
         edges.map(|row| (row["edge"].clone(), row["probability"].parse().expect("P"))).collect::<Vec<(String, f64)>>()
     };
     let plain = run("plain", &[]);
@@ -230,7 +231,11 @@ fn both_daughters_of_a_bifurcation_are_accepted() {
     let output = willis(here, &["measure", "plain", "-o", "measured", "-q"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let parts = table(&here.join("measured/intervals.csv")).into_iter().find(|row| row["figure"] == "parts").expect("parts");
-    assert_eq!((&*parts["value"], &*parts["low"], parts["mean"].parse::<f64>().expect("a mean") < 1.1), ("1", "1", true), "{parts:?}");
+    assert_eq!(
+        (&*parts["value"], &*parts["low"], parts["mean"].parse::<f64>().expect("a mean") < 1.1),
+        ("1", "1", true),
+        "{parts:?}"
+    );
 }
 
 #[test]

@@ -68,7 +68,7 @@ impl Topologies {
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
         let ends = known.choices(network, |e, end| e.continuation_odds[end]).into_values();
-        known.draw(network, params, &ends.map(Question::of_end).collect::<Vec<Question>>())
+        known.draw(network, params, &ends.map(Alternatives::of_end).collect::<Vec<Alternatives>>())
     }
 
     /// Of the topology that each sample votes for, with its weight.
@@ -150,30 +150,30 @@ impl Count {
 /// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
 
-/// What has one answer at most: along which candidate a free end goes on, or which one joins two fragments.
-struct Question {
-    choices: Vec<Choice>,
-    /// The fragments that any answer joins; it is not asked where they are joined already.
+/// Candidates of which one is taken at most: those along which a free end goes on, or those that join two fragments.
+struct Alternatives {
+    choices: Vec<Alternative>,
+    /// The fragments that any of them joins; none is taken where they are joined already.
     joins: Option<[usize; 2]>,
 }
 
-impl Question {
-    fn of_end(choices: Vec<Choice>) -> Self {
+impl Alternatives {
+    fn of_end(choices: Vec<Alternative>) -> Self {
         Self { choices, joins: None }
     }
 
-    /// The largest odds of an answer.
+    /// The largest odds.
     fn best(&self) -> f64 {
         self.choices.iter().map(|choice| choice.odds).fold(0.0, f64::max)
     }
 }
 
-/// A candidate that may be the answer.
-struct Choice {
+/// One of them.
+struct Alternative {
     row: usize,
     /// Against 1 for none.
     odds: f64,
-    /// The number of the free end to which it leads, where that is not asked any more once this is the answer.
+    /// The number of the free end to which it leads, where that is not asked any more once this is taken.
     other: Option<usize>,
 }
 
@@ -187,8 +187,8 @@ pub struct KnownEnds<'a> {
 }
 
 impl KnownEnds<'_> {
-    /// Draws as many topologies as there are samples: contacts by their probabilities, and of the candidates of each question one or none.
-    fn draw(&self, network: &Network, params: &SamplingOptions, questions: &[Question]) -> Topologies {
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and of alternatives one or none.
+    fn draw(&self, network: &Network, params: &SamplingOptions, asked_in_turn: &[Alternatives]) -> Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
@@ -201,7 +201,7 @@ impl KnownEnds<'_> {
                 for (row, p) in &contacts {
                     kept[*row] = rng.random::<f64>() < *p;
                 }
-                connect(questions, fragments, &mut rng, &mut kept);
+                connect(asked_in_turn, fragments, &mut rng, &mut kept);
                 count.add(&kept, 1.0);
             }
         }
@@ -219,9 +219,9 @@ impl KnownEnds<'_> {
     }
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
-    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<Choice>> {
+    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<Alternative>> {
         let degree = network.degrees(Vessel::is_given);
-        let mut at: BTreeMap<usize, Vec<Choice>> = BTreeMap::new();
+        let mut at: BTreeMap<usize, Vec<Alternative>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
@@ -229,7 +229,7 @@ impl KnownEnds<'_> {
             for (end, node) in ends.into_iter().enumerate() {
                 let odds = of(&evidence, end);
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
-                    at.entry(node).or_default().push(Choice { row, odds, other: None });
+                    at.entry(node).or_default().push(Alternative { row, odds, other: None });
                 }
             }
         }
@@ -237,9 +237,10 @@ impl KnownEnds<'_> {
     }
 
     /// The free ends in the order in which they are asked, by their most probable candidate, each candidate with the free end to which it leads.
-    fn ends_in_turn(&self, network: &Network) -> Vec<Question> {
+    fn ends_in_turn(&self, network: &Network) -> Vec<Alternatives> {
         let at = self.choices(network, |e, _| by_itself(e.probability));
-        let mut ends: Vec<(usize, Question)> = at.into_iter().map(|(node, choices)| (node, Question::of_end(choices))).collect();
+        let mut ends: Vec<(usize, Alternatives)> =
+            at.into_iter().map(|(node, choices)| (node, Alternatives::of_end(choices))).collect();
         ends.sort_by(|a, b| b.1.best().total_cmp(&a.1.best()).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
         for (node, end) in &mut ends {
@@ -252,21 +253,21 @@ impl KnownEnds<'_> {
 
     /// The pairs of fragments in the order in which they are asked, by their most probable candidate: one of theirs is true with its P. A candidate
     /// within one fragment, which closes a loop, is asked by itself.
-    fn pairs_in_turn(&self, network: &Network) -> Vec<Question> {
+    fn pairs_in_turn(&self, network: &Network) -> Vec<Alternatives> {
         let fragment = fragments(network, |_, v| v.is_given()).of_node;
         let open = self.choices(network, |e, _| e.probability).into_values().flatten();
-        let rows: BTreeMap<usize, Choice> = open.map(|choice| (choice.row, choice)).collect();
-        let mut pairs: BTreeMap<(Option<[usize; 2]>, Option<usize>), Question> = BTreeMap::new();
+        let rows: BTreeMap<usize, Alternative> = open.map(|choice| (choice.row, choice)).collect();
+        let mut pairs: BTreeMap<(Option<[usize; 2]>, Option<usize>), Alternatives> = BTreeMap::new();
         for (row, choice) in rows {
             let [a, b] = network.ends(row).map(|node| fragment[node]);
             let joins = (a != b).then_some([a.min(b), a.max(b)]);
             pairs
                 .entry((joins, joins.is_none().then_some(row)))
-                .or_insert(Question { choices: Vec::new(), joins })
+                .or_insert(Alternatives { choices: Vec::new(), joins })
                 .choices
                 .push(choice);
         }
-        let mut pairs: Vec<Question> = pairs.into_values().collect();
+        let mut pairs: Vec<Alternatives> = pairs.into_values().collect();
         pairs.sort_by(|a, b| b.best().total_cmp(&a.best()));
         for pair in &mut pairs {
             let (odds, sum) = (by_itself(pair.best()), pair.choices.iter().map(|choice| choice.odds).sum::<f64>());
@@ -281,8 +282,8 @@ fn by_itself(probability: f64) -> f64 {
     (probability / (1.0 - probability)).min(MOST_ODDS)
 }
 
-/// The answer, by the odds of each choice against 1 for none.
-fn chosen<'a>(mut choices: impl Iterator<Item = &'a Choice> + Clone, rng: &mut RandomStream) -> Option<&'a Choice> {
+/// The one that is taken, by the odds of each against 1 for none.
+fn chosen<'a>(mut choices: impl Iterator<Item = &'a Alternative> + Clone, rng: &mut RandomStream) -> Option<&'a Alternative> {
     let total: f64 = 1.0 + choices.clone().map(|choice| choice.odds).sum::<f64>();
     let mut left = total * rng.random::<f64>() - 1.0;
     if left < 0.0 {
@@ -294,21 +295,21 @@ fn chosen<'a>(mut choices: impl Iterator<Item = &'a Choice> + Clone, rng: &mut R
     })
 }
 
-/// Asks each question in turn, but of a free end to which another went on, or of fragments that are joined; and no more of what leads to a free end that
-/// was asked.
-fn connect(questions: &[Question], fragments: usize, rng: &mut RandomStream, kept: &mut [bool]) {
-    let (mut asked, mut parts) = (vec![false; questions.len()], UnionFind::<usize>::new(fragments));
-    for (at, question) in questions.iter().enumerate() {
-        if std::mem::replace(&mut asked[at], true) || question.joins.is_some_and(|[a, b]| parts.equiv(a, b)) {
+/// Takes one or none of alternatives after alternatives: none of a free end to which another went on, or of fragments that are joined, and nothing that
+/// leads to a free end that was asked.
+fn connect(asked_in_turn: &[Alternatives], fragments: usize, rng: &mut RandomStream, kept: &mut [bool]) {
+    let (mut asked, mut parts) = (vec![false; asked_in_turn.len()], UnionFind::<usize>::new(fragments));
+    for (at, alternatives) in asked_in_turn.iter().enumerate() {
+        if std::mem::replace(&mut asked[at], true) || alternatives.joins.is_some_and(|[a, b]| parts.equiv(a, b)) {
             continue;
         }
-        let open = question.choices.iter().filter(|choice| choice.other.is_none_or(|other| !asked[other]));
+        let open = alternatives.choices.iter().filter(|choice| choice.other.is_none_or(|other| !asked[other]));
         let Some(choice) = chosen(open, rng) else { continue };
         kept[choice.row] = true;
         if let Some(other) = choice.other {
             asked[other] = true;
         }
-        if let Some([a, b]) = question.joins {
+        if let Some([a, b]) = alternatives.joins {
             parts.union(a, b);
         }
     }
