@@ -1,5 +1,6 @@
 //! `infer --decisions`: what a person accepted is in every answer, what was rejected in none, and a list for another graph is refused.
 
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -208,7 +209,7 @@ fn both_daughters_of_a_bifurcation_are_accepted() {
             let at = start + 0.5 * f64::from(step);
             let parent = if step > 0 { id } else { -1 };
             id += 1;
-            swc += &format!("{id} 2 {} {} 0 {radius} {parent}\n", from + at * x, at * y);
+            writeln!(swc, "{id} 2 {} {} 0 {radius} {parent}", from + at * x, at * y).expect("written");
         }
     }
     fs::write(here.join("fork.swc"), swc).expect("written");
