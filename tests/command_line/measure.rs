@@ -401,15 +401,15 @@ fn measures_are_chosen_and_doubt_widens_the_interval() {
         here.path().join(output).join("comparison.csv")
     };
     // One network six times differs in nothing but what is plausible.
-    let one = compare("one", &["--measures", "loops"]);
+    let one = compare("one", &["--measures", "parts"]);
     assert_eq!(cell(&one, 0, "p"), cell(&one, 0, "p_holm"));
     assert_eq!(cell(&one, 0, "median_a"), cell(&one, 0, "median_b"));
     let number = |column: &str| cell(&one, 0, column).parse::<f64>().expect(column);
     assert!(number("doubt_share") > 0.0 && number("delta_low") < 0.0 && number("delta_high") > 0.0);
     assert!(number("p") > 0.05, "{}", number("p"));
-    let again = compare("again", &["--measures", "loops", "--threads", "1"]);
+    let again = compare("again", &["--measures", "parts", "--threads", "1"]);
     assert_eq!(fs::read(&one).expect("a table"), fs::read(&again).expect("a table"));
-    let other = compare("other", &["--measures", "loops", "--seed", "1"]);
+    let other = compare("other", &["--measures", "parts", "--seed", "1"]);
     assert_ne!(fs::read(&one).expect("a table"), fs::read(&other).expect("a table"));
 }
 

@@ -8,7 +8,7 @@ use crate::networks::{boundary, radii, random_conditions, random_network, run};
 use crate::textbook::{Sample, best_of_all_forests};
 use crate::vessels::{network, tube};
 use willis::internals::decision::{Keep, KnownEnds, Topologies, TopologySource, decide};
-use willis::internals::network::{Condition, Evidence, Network, Origin, Vessel};
+use willis::internals::network::{Condition, Evidence, Network, Node, Origin, Vessel};
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
@@ -125,6 +125,41 @@ fn a_connection_is_asked_once_and_a_free_end_joined_once() {
     network.vessel_mut(2).evidence = Some(Box::new(Evidence::undirected(0.3)));
     let alone = draw(&network, [false; 4])[&vec![true, true, true, false, false]];
     assert!((alone - 0.3).abs() < 4.5 * (0.3 * 0.7 / 70_000.0_f64).sqrt(), "{alone}");
+}
+
+/// By hand, where fragments form a forest: of two candidates between the first two fragments, P = 0.6 and 0.2, one is true with 0.6, and is the first with three
+/// quarters of that; of the others between three fragments, 0.5 and 0.4, the last is asked unless both before it were true. Two go on from one end.
+#[test]
+fn two_fragments_are_joined_once_and_a_vessel_may_have_two_daughters() {
+    let mut network = Network::new();
+    for id in 0..6 {
+        network.add_node(Node { id: format!("n{id}"), root_score: Some(0.1), ..Node::default() });
+    }
+    for a in [0, 2, 4] {
+        network.add_vessel([a, a + 1], Vessel::new(0.01, 0.001, Origin::Observed));
+    }
+    for (ends, p) in [([1, 2], 0.6), ([1, 3], 0.2), ([1, 4], 0.5), ([2, 4], 0.4)] {
+        let evidence = Some(Box::new(Evidence::undirected(p)));
+        network.add_vessel(ends, Vessel { evidence, ..Vessel::new(0.01, 0.001, Origin::Candidate) });
+    }
+    let params = SamplingOptions { samples: 70_000, seed: 5, ..SamplingOptions::default() };
+    let source = TopologySource::Connections(KnownEnds { ends: &[false; 6], inlets: &[] });
+    let drawn = shares(&Topologies::draw(&network, &boundary(&network, &[]), &params, source).unwrap());
+    let mut expected = BTreeMap::new();
+    for (first, p) in [(Some(3), 0.45), (Some(4), 0.15), (None, 0.4)] {
+        for (second, q) in [(Some(5), 0.5), (None, 0.5)] {
+            let asked = first.is_none() || second.is_none();
+            for (third, r) in [(Some(6), if asked { 0.4 } else { 0.0 }), (None, if asked { 0.6 } else { 1.0 })] {
+                let rows = [first, second, third];
+                expected.insert((0..7).map(|row| row < 3 || rows.contains(&Some(row))).collect::<Vec<bool>>(), p * q * r);
+            }
+        }
+    }
+    expected.retain(|_, p| *p > 0.0);
+    assert_eq!(drawn.len(), expected.len());
+    for (kept, p) in expected {
+        assert!((drawn[&kept] - p).abs() < 4.5 * (p * (1.0 - p) / 70_000.0_f64).sqrt(), "{kept:?}: {} for {p}", drawn[&kept]);
+    }
 }
 
 #[test]

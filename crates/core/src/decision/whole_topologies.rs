@@ -6,15 +6,20 @@
 //!   is neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
 //!   ([`continuation_odds`](crate::network::Evidence::continuation_odds)) against 1 for ending there, whatever the others do. Loops are allowed. A
 //!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
-//! - [`TopologySource::Connections`], for what is measured of a network: a vessel may end anywhere, and a free end goes on along one candidate at most,
-//!   with the odds P/(1 - P) of its probability against 1 for ending there. Each connection is asked once: one between two free ends by that which has the
-//!   more probable candidates, so that alone it has its P. Topologies weigh as above.
+//! - [`TopologySource::Connections`], for what is measured of a network: a vessel may end anywhere. Where [fragments are known](knows_fragments) they form
+//!   a forest: two belong together with the P of the most probable candidate between them, by one of their candidates in proportion to its P, and are not
+//!   asked where others joined them. The most probable come first. Where candidates were judged by themselves, a free end goes on along one at most, with the
+//!   odds P/(1 - P) of its probability against 1 for ending there; one between two free ends is asked by that which has the more probable candidates,
+//!   so that alone it has its P. Topologies weigh as above.
 //! - [`TopologySource::Samples`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
 //!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
 
 use std::collections::BTreeMap;
 
+use petgraph::unionfind::UnionFind;
 use rand::RngExt;
+
+use super::knows_fragments;
 
 use crate::flow::{BatchSolver, Boundary, Circuit, Tube, state::State};
 use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
@@ -52,15 +57,18 @@ impl Topologies {
         params.validate()?;
         match source {
             TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
-            TopologySource::Connections(known) => Ok(known.draw(network, params, &known.asked_in_turn(network))),
+            TopologySource::Connections(known) if knows_fragments(network) => {
+                Ok(known.draw(network, params, &known.pairs_in_turn(network)))
+            }
+            TopologySource::Connections(known) => Ok(known.draw(network, params, &known.ends_in_turn(network))),
             TopologySource::Samples(above_median) => Self::of_samples(network, boundary, params, above_median),
         }
     }
 
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
-        let ends: Vec<Vec<EndChoice>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
-        known.draw(network, params, &ends)
+        let ends = known.choices(network, |e, end| e.continuation_odds[end]).into_values();
+        known.draw(network, params, &ends.map(Alternatives::of_end).collect::<Vec<Alternatives>>())
     }
 
     /// Of the topology that each sample votes for, with its weight.
@@ -142,12 +150,30 @@ impl Count {
 /// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
 
-/// A candidate along which a free end may go on.
-struct EndChoice {
+/// Candidates of which one is taken at most: those along which a free end goes on, or those that join two fragments.
+struct Alternatives {
+    choices: Vec<Alternative>,
+    /// The fragments that any of them joins; none is taken where they are joined already.
+    joins: Option<[usize; 2]>,
+}
+
+impl Alternatives {
+    fn of_end(choices: Vec<Alternative>) -> Self {
+        Self { choices, joins: None }
+    }
+
+    /// The largest odds.
+    fn best(&self) -> f64 {
+        self.choices.iter().map(|choice| choice.odds).fold(0.0, f64::max)
+    }
+}
+
+/// One of them.
+struct Alternative {
     row: usize,
-    /// Against 1 for ending there.
+    /// Against 1 for none.
     odds: f64,
-    /// The number of the free end to which it leads, where that is not asked any more once this end goes on to it.
+    /// The number of the free end to which it leads, where that is not asked any more once this is taken.
     other: Option<usize>,
 }
 
@@ -161,12 +187,13 @@ pub struct KnownEnds<'a> {
 }
 
 impl KnownEnds<'_> {
-    /// Draws as many topologies as there are samples: contacts by their probabilities, and of the candidates of each free end one or none.
-    fn draw(&self, network: &Network, params: &SamplingOptions, ends: &[Vec<EndChoice>]) -> Topologies {
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and of alternatives one or none.
+    fn draw(&self, network: &Network, params: &SamplingOptions, asked_in_turn: &[Alternatives]) -> Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
         let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
+        let fragments = fragments(network, |_, v| v.is_given()).count;
         for first in (0..params.samples).step_by(BLOCK as usize) {
             let mut rng = stream(params.seed, random::ends(first / BLOCK));
             for _ in first..params.samples.min(first + BLOCK) {
@@ -174,7 +201,7 @@ impl KnownEnds<'_> {
                 for (row, p) in &contacts {
                     kept[*row] = rng.random::<f64>() < *p;
                 }
-                connect(ends, &mut rng, &mut kept);
+                connect(asked_in_turn, fragments, &mut rng, &mut kept);
                 count.add(&kept, 1.0);
             }
         }
@@ -192,9 +219,9 @@ impl KnownEnds<'_> {
     }
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
-    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<EndChoice>> {
+    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<Alternative>> {
         let degree = network.degrees(Vessel::is_given);
-        let mut at: BTreeMap<usize, Vec<EndChoice>> = BTreeMap::new();
+        let mut at: BTreeMap<usize, Vec<Alternative>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
@@ -202,7 +229,7 @@ impl KnownEnds<'_> {
             for (end, node) in ends.into_iter().enumerate() {
                 let odds = of(&evidence, end);
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
-                    at.entry(node).or_default().push(EndChoice { row, odds, other: None });
+                    at.entry(node).or_default().push(Alternative { row, odds, other: None });
                 }
             }
         }
@@ -210,23 +237,53 @@ impl KnownEnds<'_> {
     }
 
     /// The free ends in the order in which they are asked, by their most probable candidate, each candidate with the free end to which it leads.
-    fn asked_in_turn(&self, network: &Network) -> Vec<Vec<EndChoice>> {
-        let odds = |e: &Evidence, _| (e.probability / (1.0 - e.probability)).min(MOST_ODDS);
-        let mut ends: Vec<(usize, Vec<EndChoice>)> = self.choices(network, odds).into_iter().collect();
-        let best = |choices: &[EndChoice]| choices.iter().map(|choice| choice.odds).fold(0.0, f64::max);
-        ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
+    fn ends_in_turn(&self, network: &Network) -> Vec<Alternatives> {
+        let at = self.choices(network, |e, _| by_itself(e.probability));
+        let mut ends: Vec<(usize, Alternatives)> =
+            at.into_iter().map(|(node, choices)| (node, Alternatives::of_end(choices))).collect();
+        ends.sort_by(|a, b| b.1.best().total_cmp(&a.1.best()).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
-        for (node, choices) in &mut ends {
-            for choice in choices {
+        for (node, end) in &mut ends {
+            for choice in &mut end.choices {
                 choice.other = number.get(&other_end(network, choice.row, *node)).copied();
             }
         }
-        ends.into_iter().map(|(_, choices)| choices).collect()
+        ends.into_iter().map(|(_, end)| end).collect()
+    }
+
+    /// The pairs of fragments in the order in which they are asked, by their most probable candidate: one of theirs is true with its P. A candidate
+    /// within one fragment, which closes a loop, is asked by itself.
+    fn pairs_in_turn(&self, network: &Network) -> Vec<Alternatives> {
+        let fragment = fragments(network, |_, v| v.is_given()).of_node;
+        let open = self.choices(network, |e, _| e.probability).into_values().flatten();
+        let rows: BTreeMap<usize, Alternative> = open.map(|choice| (choice.row, choice)).collect();
+        let mut pairs: BTreeMap<(Option<[usize; 2]>, Option<usize>), Alternatives> = BTreeMap::new();
+        for (row, choice) in rows {
+            let [a, b] = network.ends(row).map(|node| fragment[node]);
+            let joins = (a != b).then_some([a.min(b), a.max(b)]);
+            pairs
+                .entry((joins, joins.is_none().then_some(row)))
+                .or_insert(Alternatives { choices: Vec::new(), joins })
+                .choices
+                .push(choice);
+        }
+        let mut pairs: Vec<Alternatives> = pairs.into_values().collect();
+        pairs.sort_by(|a, b| b.best().total_cmp(&a.best()));
+        for pair in &mut pairs {
+            let (odds, sum) = (by_itself(pair.best()), pair.choices.iter().map(|choice| choice.odds).sum::<f64>());
+            pair.choices.iter_mut().for_each(|choice| choice.odds *= odds / sum);
+        }
+        pairs
     }
 }
 
-/// The candidate along which an end goes on, by the odds of each against 1 for ending there.
-fn chosen<'a>(mut choices: impl Iterator<Item = &'a EndChoice> + Clone, rng: &mut RandomStream) -> Option<&'a EndChoice> {
+/// The odds of what is true with a probability, if it is asked by itself.
+fn by_itself(probability: f64) -> f64 {
+    (probability / (1.0 - probability)).min(MOST_ODDS)
+}
+
+/// The one that is taken, by the odds of each against 1 for none.
+fn chosen<'a>(mut choices: impl Iterator<Item = &'a Alternative> + Clone, rng: &mut RandomStream) -> Option<&'a Alternative> {
     let total: f64 = 1.0 + choices.clone().map(|choice| choice.odds).sum::<f64>();
     let mut left = total * rng.random::<f64>() - 1.0;
     if left < 0.0 {
@@ -238,19 +295,22 @@ fn chosen<'a>(mut choices: impl Iterator<Item = &'a EndChoice> + Clone, rng: &mu
     })
 }
 
-/// Asks each free end in turn, unless another went on to it, and no more of what leads to one that was asked.
-fn connect(ends: &[Vec<EndChoice>], rng: &mut RandomStream, kept: &mut [bool]) {
-    let mut asked = vec![false; ends.len()];
-    for (at, choices) in ends.iter().enumerate() {
-        if std::mem::replace(&mut asked[at], true) {
+/// Takes one or none of alternatives after alternatives: none of a free end to which another went on, or of fragments that are joined, and nothing that
+/// leads to a free end that was asked.
+fn connect(asked_in_turn: &[Alternatives], fragments: usize, rng: &mut RandomStream, kept: &mut [bool]) {
+    let (mut asked, mut parts) = (vec![false; asked_in_turn.len()], UnionFind::<usize>::new(fragments));
+    for (at, alternatives) in asked_in_turn.iter().enumerate() {
+        if std::mem::replace(&mut asked[at], true) || alternatives.joins.is_some_and(|[a, b]| parts.equiv(a, b)) {
             continue;
         }
-        let open = choices.iter().filter(|choice| choice.other.is_none_or(|other| !asked[other]));
-        if let Some(choice) = chosen(open, rng) {
-            kept[choice.row] = true;
-            if let Some(other) = choice.other {
-                asked[other] = true;
-            }
+        let open = alternatives.choices.iter().filter(|choice| choice.other.is_none_or(|other| !asked[other]));
+        let Some(choice) = chosen(open, rng) else { continue };
+        kept[choice.row] = true;
+        if let Some(other) = choice.other {
+            asked[other] = true;
+        }
+        if let Some([a, b]) = alternatives.joins {
+            parts.union(a, b);
         }
     }
 }
