@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Input, SourceFile, models::Contacts, require};
 use crate::{Error, Network, Result};
-use willis_core::decision::{beside_accepted, knows_fragments};
-use willis_core::network::{Evidence, GraphEditor, Origin};
+use willis_core::decision::{BESIDE_ACCEPTED, knows_fragments};
+use willis_core::network::{Evidence, GraphEditor, Origin, fragments};
 use willis_core::{error::Fault, network::units::millimetres, support::geometry::distance};
 use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
 use willis_report::{ReadBy, TwiceRead};
@@ -102,9 +102,8 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 /// Applies decisions to a graph. An accepted connection is certain, with P = 1. A rejected one has A = 0 and P = 0, so that no sample and
 /// no rule has it; its row stays, so that every other row does.
 ///
-/// Of the candidates that leave one free end at most one is true by the law of [forests](knows_fragments). So those beside an accepted one
-/// have P = 0, and those beside rejected ones P / (1 - Σ P of the rejected), at most 1. Candidates that were judged one by one keep their P
-/// beside a rejected one, and half of it beside an accepted one ([`beside_accepted`]). Contacts keep theirs.
+/// Candidates beside accepted ones follow: by the law of [forests](knows_fragments) those that close a loop are gone, and a fragment hangs on one other
+/// at most; judged one by one they keep half of their P ([`BESIDE_ACCEPTED`]). Candidates beside rejected ones, and contacts, keep theirs.
 ///
 /// # Errors
 ///
@@ -115,18 +114,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
         let is_open = edge < graph.vessel_count() && graph.vessel(edge).origin != Origin::Observed;
         require(is_open, "decisions", edge, "expected the row of a candidate or of a contact")?;
     }
-    let degree = graph.degrees(|vessel| vessel.origin == Origin::Observed);
-    let (at_most_one, beside_accepted) = (knows_fragments(graph), beside_accepted(graph));
-    // Per free end whether a candidate was accepted there, and the sum of P of the rejected.
-    let mut at: BTreeMap<usize, (bool, f64)> = BTreeMap::new();
-    for (&edge, &accepted) in decided.iter().filter(|(edge, _)| graph.vessel(**edge).origin == Origin::Candidate) {
-        let probability = graph.vessel(edge).evidence().map_or(0.0, |e| e.probability);
-        for node in graph.ends(edge).into_iter().filter(|node| degree[*node] <= 1) {
-            let (taken, gone) = at.entry(node).or_default();
-            *taken |= accepted;
-            *gone += if accepted { 0.0 } else { probability };
-        }
-    }
+    let excluded = Excluded::by(graph, &decided);
     for row in 0..graph.vessel_count() {
         let ends = graph.ends(row);
         let vessel = graph.vessel_mut(row);
@@ -137,23 +125,67 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
                 vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, probability)));
             }
             None if vessel.origin == Origin::Candidate && !vessel.certain => {
-                let Some(evidence) = vessel.evidence() else { continue };
-                let factor = |node: &usize| match at.get(node) {
-                    Some((true, _)) => beside_accepted,
-                    Some((false, gone)) if at_most_one => 1.0 / (1.0 - gone).max(f64::EPSILON),
-                    _ => 1.0,
-                };
-                let by: f64 = ends.iter().map(factor).product();
-                if by.to_bits() != 1.0_f64.to_bits() {
-                    let follows = with_probability(evidence, (by * evidence.probability).min(1.0));
-                    vessel.prior = follows.probability;
-                    vessel.evidence = Some(Box::new(follows));
-                }
+                let Some(follows) = vessel.evidence().and_then(|evidence| excluded.leave(evidence, ends)) else { continue };
+                vessel.prior = follows.probability;
+                vessel.evidence = Some(Box::new(follows));
             }
             None => {}
         }
     }
     Ok(())
+}
+
+/// What accepted candidates leave of others.
+///
+/// Fragments form a forest, so a candidate between two that are joined by now is gone. And a fragment hangs on one other at most, while any number
+/// hang on it. So of the probability that the fragment of a free end hangs on another from there, what is left is the probability that it does not hang by
+/// an accepted candidate; that others hang on it stays as probable as it was.
+struct Excluded {
+    of_forest: bool,
+    /// Per free end that accepted candidates leave, the probability that its fragment hangs by none of them: where it hangs on one at most,
+    /// 1 / (1 + Σ of the odds that it hangs by each).
+    hangs_by_none: BTreeMap<usize, f64>,
+    /// Per node its fragment before and after.
+    parts: [Vec<usize>; 2],
+}
+
+impl Excluded {
+    fn by(graph: &Network, decided: &BTreeMap<usize, bool>) -> Self {
+        let degree = graph.degrees(|vessel| vessel.origin == Origin::Observed);
+        let accepted = |row: usize| decided.get(&row) == Some(&true);
+        let mut odds: BTreeMap<usize, f64> = BTreeMap::new();
+        for (row, (ends, vessel)) in graph.vessels().enumerate() {
+            if !accepted(row) || vessel.origin != Origin::Candidate {
+                continue;
+            }
+            let Evidence { probability: p, attached, .. } = vessel.evidence().unwrap_or(Evidence::undirected(0.0));
+            for (node, hangs) in ends.into_iter().zip(attached).filter(|(node, _)| degree[*node] <= 1) {
+                // Either way is as probable where nothing is known.
+                *odds.entry(node).or_default() += if p > 0.0 { hangs / (p - hangs).max(0.0) } else { 1.0 };
+            }
+        }
+        let before = fragments(graph, |row, vessel| vessel.is_given() && !accepted(row)).of_node;
+        let after = fragments(graph, |row, vessel| vessel.is_given() || accepted(row)).of_node;
+        let hangs_by_none = odds.into_iter().map(|(node, odds)| (node, 1.0 / (1.0 + odds))).collect();
+        Self { of_forest: knows_fragments(graph), hangs_by_none, parts: [before, after] }
+    }
+
+    /// What is left of a candidate; `None` where nothing of it is excluded.
+    fn leave(&self, evidence: Evidence, [a, b]: [usize; 2]) -> Option<Evidence> {
+        let beside = [a, b].map(|node| self.hangs_by_none.get(&node).copied());
+        let Evidence { probability, attached, .. } = evidence;
+        if !self.of_forest {
+            let by: f64 = beside.iter().flatten().map(|_| BESIDE_ACCEPTED).product();
+            return (beside != [None; 2]).then(|| with_probability(evidence, by * probability));
+        }
+        let [were, are] = [&self.parts[0], &self.parts[1]].map(|parts| parts[a] == parts[b]);
+        if are != were {
+            return Some(with_probability(evidence, 0.0));
+        }
+        let left = [0, 1].map(|end| attached[end] * beside[end].unwrap_or(1.0));
+        let gone = (attached[0] - left[0]) + (attached[1] - left[1]);
+        (gone > 0.0).then(|| Evidence { attached: left, ..with_probability(evidence, (probability - gone).max(0.0)) })
+    }
 }
 
 /// What a person decides on: the over-connected graph, its contacts, and whether A = 1 stands for the priors of all its vessels.

@@ -1,5 +1,6 @@
 //! `infer --decisions`: what a person accepted is in every answer, what was rejected in none, and a list for another graph is refused.
 
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
@@ -145,10 +146,97 @@ fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
     ConnectionDecision { edge, accepted: Some(accepted), ..ConnectionDecision::default() }
 }
 
+/// All three candidates of the end join the same two fragments.
 #[test]
-fn by_the_law_of_forests_one_candidate_of_a_free_end_is_true() {
+fn by_the_law_of_forests_two_fragments_are_joined_once() {
     assert_eq!(decided(Some(0.5), true), [[1.0, 0.0, 0.0, 0.4]; 2]);
-    assert_eq!(decided(Some(0.5), false), [[0.0, 0.6, 0.2, 0.4]; 2]);
+    assert_eq!(decided(Some(0.5), false), [[0.0, 0.3, 0.1, 0.4]; 2]);
+}
+
+/// From the free end of one fragment a candidate leads to each of four others, with the P that the one hangs on the other, and that the other hangs on it;
+/// the last candidate joins the first two of the others. What is left of P after decisions.
+fn fork(hangs: [[f64; 2]; 5], decisions: &[ConnectionDecision]) -> Vec<f64> {
+    let mut graph = Network::new();
+    for id in 0..10 {
+        graph.add_node(Node { id: format!("n{id}"), root_score: Some(0.1), ..Node::default() });
+    }
+    for a in [0, 2, 4, 6, 8] {
+        graph.add_vessel([a, a + 1], Vessel::new(0.01, 0.001, Origin::Observed));
+    }
+    for ([a, b], attached) in [[1, 2], [1, 4], [1, 6], [1, 8], [3, 5]].into_iter().zip(hangs) {
+        let evidence = Evidence { attached, ..Evidence::undirected(attached[0] + attached[1]) };
+        graph.add_vessel([a, b], Vessel { evidence: Some(Box::new(evidence)), ..open(Origin::Candidate, evidence.probability) });
+    }
+    apply(&mut graph, decisions).expect("applied");
+    let evidence = |row: usize| graph.vessel(row).evidence().expect("evidence");
+    for e in (5..10).map(evidence) {
+        assert!((e.probability - e.attached[0] - e.attached[1]).abs() < 1e-12, "{e:?}");
+    }
+    (5..10).map(|row| evidence(row).probability).collect()
+}
+
+/// By hand: any number of fragments hang on one, as the daughters of a bifurcation do, and it hangs on one at most. Where it hangs by the accepted candidate
+/// with 0.2 of 0.8, it hangs on another with three quarters of what that says; where by two accepted ones with odds of 1/3 and 1, with 3/7.
+#[test]
+fn a_fragment_hangs_on_one_other_and_any_number_hang_on_it() {
+    let close = |found: Vec<f64>, expected: [f64; 5]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} for {expected:?}");
+    };
+    let accept = |rows: &[usize]| rows.iter().map(|row| decision(*row, true)).collect::<Vec<ConnectionDecision>>();
+    let daughters = [[0.0, 0.8], [0.0, 0.74], [0.1, 0.0], [0.2, 0.1], [0.2, 0.2]];
+    close(fork(daughters, &accept(&[5])), [1.0, 0.74, 0.1, 0.3, 0.4]);
+    // Both daughters: what would join them once more is gone.
+    close(fork(daughters, &accept(&[5, 6])), [1.0, 1.0, 0.1, 0.3, 0.0]);
+    close(fork([[0.8, 0.0], [0.7, 0.0], [0.1, 0.2], [0.0, 0.3], [0.2, 0.2]], &accept(&[5])), [1.0, 0.0, 0.2, 0.3, 0.4]);
+    let either = [[0.2, 0.6], [0.3, 0.3], [0.2, 0.1], [0.0, 0.0], [0.1, 0.0]];
+    close(fork(either, &accept(&[5])), [1.0, 0.525, 0.25, 0.0, 0.1]);
+    close(fork(either, &accept(&[5, 6])), [1.0, 1.0, 0.6 / 7.0 + 0.1, 0.0, 0.0]);
+    let all = fork(either, &[decision(5, false), decision(6, false)]);
+    close(all, [0.0, 0.0, 0.3, 0.0, 0.1]);
+}
+
+/// A vessel that forks after a gap of 2.5 mm.
+#[test]
+fn both_daughters_of_a_bifurcation_are_accepted() {
+    let here = folder();
+    let (here, mut swc) = (here.path(), String::new());
+    let mut id = 0;
+    for (start, [x, y], length, radius) in
+        [(0.0, [1.0, 0.0], 20.0, 1.5), (2.5, [0.866, 0.5], 15.0, 1.2), (2.5, [0.866, -0.5], 15.0, 1.1)]
+    {
+        let from = if start > 0.0 { 20.0 } else { 0.0 };
+        for step in 0..=(2.0 * length) as i32 {
+            let at = start + 0.5 * f64::from(step);
+            let parent = if step > 0 { id } else { -1 };
+            id += 1;
+            writeln!(swc, "{id} 2 {} {} 0 {radius} {parent}", from + at * x, at * y).expect("written");
+        }
+    }
+    fs::write(here.join("fork.swc"), swc).expect("written");
+    let run = |out: &str, more: &[&str]| {
+        let output = willis(here, &[&["infer", "fork.swc", "--inlet", "1", "-n", "16", "-q", "-o", out], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        let edges =
+            table(&here.join(out).join("edges.csv")).into_iter().filter(|row| row["kept"] == "1" && row["origin"] == "candidate");
+        edges.map(|row| (row["edge"].clone(), row["probability"].parse().expect("P"))).collect::<Vec<(String, f64)>>()
+    };
+    let plain = run("plain", &[]);
+    assert!(plain.len() == 2 && plain.iter().all(|(_, p)| *p > 0.9), "{plain:?}");
+    let ids = table(&here.join("plain/nodes.csv")).into_iter().map(|row| row["id"].clone()).collect::<Vec<String>>();
+    let edge = &table(&here.join("plain/edges.csv"))[plain[0].0.parse::<usize>().expect("a row")];
+    let [a, b] = ["node_a", "node_b"].map(|end| &ids[edge[end].parse::<usize>().expect("a row")]);
+    fs::write(here.join("one.csv"), format!("edge,id_a,id_b,decision\n{},{a},{b},accept\n", plain[0].0)).expect("written");
+    let decided = run("decided", &["--decisions", "one.csv"]);
+    assert!(decided[0].1 == 1.0 && decided.len() == 2 && decided[1].1 > 0.9, "{decided:?}");
+    // Both are in nearly all topologies.
+    let output = willis(here, &["measure", "plain", "-o", "measured", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let parts = table(&here.join("measured/intervals.csv")).into_iter().find(|row| row["figure"] == "parts").expect("parts");
+    assert_eq!(
+        (&*parts["value"], &*parts["low"], parts["mean"].parse::<f64>().expect("a mean") < 1.1),
+        ("1", "1", true),
+        "{parts:?}"
+    );
 }
 
 #[test]

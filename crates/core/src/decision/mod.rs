@@ -7,7 +7,7 @@ pub mod whole_topologies;
 
 pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
 pub use most_probable_forest::{
-    BEST_FIRST, DOUBTFUL, ExpectedErrors, PRICE, RECONNECT, WITHOUT_PIECE, beside_accepted, best_first, best_first_of,
+    BESIDE_ACCEPTED, BEST_FIRST, DOUBTFUL, ExpectedErrors, PRICE, RECONNECT, WITHOUT_PIECE, best_first, best_first_of,
     expected_errors, has_evidence, knows_fragments, probabilities, probable, reconnected,
 };
 pub use rules::{DecidingFigure, FollowedRule, Keep, threshold};

@@ -193,12 +193,9 @@ pub const RECONNECT: f64 = 0.0;
 /// A candidate that was not probable enough by itself joins two parts from this probability on.
 pub const DOUBTFUL: f64 = 0.1;
 
-/// How much of its P a candidate keeps beside one at its free end that a person accepted: nothing where at most one is true
-/// ([`knows_fragments`]). Judged one by one, those with P above .2 led on from there to yet another vessel half as often as P says
-/// (`experiments/proofreading`).
-pub fn beside_accepted(network: &Network) -> f64 {
-    if knows_fragments(network) { 0.0 } else { 0.5 }
-}
+/// How much of its P a candidate that was judged by itself keeps beside one at its free end that a person accepted: those with P above .2 led on from
+/// there to yet another vessel half as often as P says (`experiments/proofreading`).
+pub const BESIDE_ACCEPTED: f64 = 0.5;
 
 /// Per candidate whether it is kept: the most probable first, those above `least`, each free end once. `ends` are the free ends it joins,
 /// `used` those that are joined already. Of equally probable ones the first comes first.

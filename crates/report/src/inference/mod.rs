@@ -16,7 +16,7 @@ use super::page::{ColourScale, Colouring, Page, PagePicture, PageTable, conditio
 use super::run_record::RunRecord;
 use outcome::{LOOP, PART, Question, TOUCH, WORTH, merged_columns, pairing_columns, suggested_cut_columns};
 use willis_core::decision::{
-    DecidingFigure, Keep, UNDECIDED_BAND, UNDECIDED_Z, beside_accepted, has_evidence, knows_fragments, threshold as threshold_of,
+    BESIDE_ACCEPTED, DecidingFigure, Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence, knows_fragments, threshold as threshold_of,
 };
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
@@ -370,8 +370,8 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
     of_asked("touch_gain_mm", &mut of(TOUCH).map(|one| (one.row, millimetres(one.gain))));
     // The number of a vessel in review.csv, by which the list and the rings of pictures have it.
     of_asked("rank", &mut asked.iter().zip(1..).map(|(one, rank)| (one.row, f64::from(rank))));
-    if evidence && outcome.rule.followed().is_some() {
-        // What the rule weighs, for the page to follow it after a decision.
+    if evidence {
+        // What a decision changes, and the rule weighs, for the page to follow it.
         let attached =
             |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, |e| e.attached[end]));
         columns.extend(ATTACHED.into_iter().zip(0..).map(|(name, end)| Column::real(name, attached(end))));
@@ -453,10 +453,8 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Value {
         "rule": followed,
         // The distance from the threshold within which a figure without standard error is undecided.
         "band": rule.asks_evidence().then_some(UNDECIDED_BAND),
-        // Of the candidates at a free end: how much of its P one keeps beside an accepted one.
-        "beside_accepted": beside_accepted(outcome.network),
-        // Whether those beside a rejected one share its P.
-        "at_most_one": knows_fragments(outcome.network),
+        // How much of its P a candidate keeps beside an accepted one at its free end; null where fragments form a forest.
+        "beside_accepted": (!knows_fragments(outcome.network)).then_some(BESIDE_ACCEPTED),
         // The columns that are 1 where a vessel is uncertain, and where a decision of the run is undecided.
         "uncertain": UNCERTAIN,
         "undecided": UNDECIDED,

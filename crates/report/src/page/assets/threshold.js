@@ -112,6 +112,8 @@ class Threshold {
   set(cut, asRun = false) {
     this.now = cut;
     this.asRun = asRun;
+    // Per node its fragment without and with what a person accepted.
+    [this.apart, this.joined] = [row => this.isObserved(row) || !this.uncertain[row], row => this.isGiven(row)].map(has => parts(this.nodes, this.rows, this.ends, has).of);
     const flip = this.flip();
     this.followed = asRun ? this.byRule() : null;
     const byRule = this.followed?.kept ?? this.asKept;
@@ -145,24 +147,34 @@ class Threshold {
 
   // How probably a connection attaches its one end to its other, and the reverse, given what a person decided.
   attached(row) {
-    const p = this.probability[row], by = p > 0 ? this.chance(row) / p : 0;
-    return this.attachedAs.map(of => Math.min(by * of[row], 1) || 0);
+    return this.follows(row).attached;
   }
 
-  // The probability of a vessel given what a person decided, as decisions.rs has it.
+  // The probability of a vessel given what a person decided.
   chance(row) {
-    const said = this.decided.get(row);
-    if (said !== undefined) return said ? 1 : 0;
-    const p = this.probability ? this.probability[row] : NaN;
-    if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(p) || this.isContact(row)) return p;
-    let factor = 1;
-    for (const end of this.freeEnds(row)) {
-      const decided = end.filter(other => !this.isContact(other) && this.decided.has(other));
-      const rejected = decided.filter(other => !this.decided.get(other)).reduce((sum, other) => sum + (this.probability[other] || 0), 0);
-      if (decided.some(other => this.decided.get(other))) factor *= this.beside_accepted;
-      else if (this.at_most_one) factor /= Math.max(1 - rejected, 2 ** -52);
-    }
-    return Math.min(p * factor, 1);
+    return this.probability ? this.follows(row).p : this.decided.has(row) ? Number(this.decided.get(row)) : NaN;
+  }
+
+  // What decisions leave of the probability of a vessel, and of those with which its ends are attached; as decisions.rs has it.
+  follows(row) {
+    const stated = this.probability[row], as = this.attachedAs.map(of => of[row] || 0), said = this.decided.get(row);
+    const to = p => ({ p, attached: as.map(x => stated > 0 ? Math.min(p / stated * x, 1) || 0 : 0) });
+    if (said !== undefined) return to(said ? 1 : 0);
+    if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(stated) || this.isContact(row)) return to(stated);
+    const beside = this.freeEnds(row).map(end => end.filter(other => !this.isContact(other) && this.decided.get(other)));
+    if (this.beside_accepted !== null) return to(beside.reduce((p, end) => end.length ? p * this.beside_accepted : p, stated));
+    // What closes a loop of fragments is gone, and a fragment hangs on one other at most.
+    const [a, b] = this.ends.map(of => of[row]);
+    if (this.joined[a] === this.joined[b] && this.apart[a] !== this.apart[b]) return to(0);
+    const left = as.map((x, at) => x * (1 / (1 + beside[at].reduce((odds, other) => odds + this.oddsToHang(other, this.ends[at][row]), 0))));
+    const gone = as[0] - left[0] + (as[1] - left[1]);
+    return { p: Math.max(stated - gone, 0), attached: left };
+  }
+
+  // The odds that the fragment at one end of a connection hangs by it.
+  oddsToHang(row, node) {
+    const p = this.probability[row], hangs = this.attachedAs[this.ends[0][row] === node ? 0 : 1][row] || 0;
+    return p > 0 ? hangs / Math.max(p - hangs, 0) : 1;
   }
 
   // Uncertain vessels that leave a free end which this one leaves too.
@@ -170,7 +182,7 @@ class Threshold {
     return [...new Set(this.freeEnds(row).flat())].filter(other => other !== row);
   }
 
-  // The uncertain vessels at each free end of one.
+  // The uncertain vessels at each end of one that is free.
   freeEnds(row) {
     if (!this.atFreeEnd) {
       const degree = new Uint32Array(this.nodes), all = upTo(this.rows);
@@ -178,14 +190,14 @@ class Threshold {
       const leaving = all.filter(r => this.uncertain[r] && !this.isObserved(r)).flatMap(r => this.ends.map(of => [of[r], r]));
       this.atFreeEnd = listedBy(leaving.filter(([node]) => degree[node] <= 1));
     }
-    return this.ends.map(of => this.atFreeEnd.get(of[row])).filter(Boolean);
+    return this.ends.map(of => this.atFreeEnd.get(of[row]) || []);
   }
 
   // Wrong and missed connections that the probabilities expect; null without probabilities. A pair of fragments counts once.
   expectedErrors() {
     if (!this.probability) return null;
     let wrong = 0, missed = 0;
-    const pairs = new Map(), fragment = parts(this.nodes, this.rows, this.ends, row => this.isGiven(row)).of;
+    const pairs = new Map(), fragment = this.joined;
     for (let row = 0; row < this.rows; row++) {
       const stated = this.probability[row];
       if (Number.isNaN(stated)) continue;
