@@ -17,7 +17,6 @@ use search::{EndCandidate, search, search_nearest};
 use willis_core::error::Result;
 use willis_core::network::{Evidence, Network};
 use willis_core::support::ties::steady;
-use willis_core::support::ties::steady;
 use willis_io::masks::{Scene, Unseen, View};
 
 /// Connections between fragments that are less probable than this are left out ...
