@@ -16,7 +16,7 @@ pub const VISCOSITY: f64 = 3.5e-3;
 pub fn boundary(network: &Network, conditions: &[(usize, Condition)]) -> Boundary {
     let mut conditions = conditions.to_vec();
     conditions.sort_by_key(|(node, _)| *node);
-    Boundary { conditions, roles: vec![Role::Inner; network.node_count()], found_inlets: Vec::new(), found_outlets: Vec::new() }
+    Boundary { conditions, roles: vec![Role::Inner; network.node_count()], ..Boundary::default() }
 }
 
 /// A pressure in mmHg.
