@@ -235,7 +235,7 @@ fn metaimage_is_read_from_one_file_and_from_two() {
     }
     // Without a spacing of its own it takes the one that is given.
     let bare = [metaimage("", "LOCAL").replace("ElementSpacing = 0.5 0.5 0.75\n", "").as_bytes(), &bar].concat();
-    let said = read("a.mha", &bare).unwrap_err().to_string();
+    let said = read("a.mha", &bare).unwrap_err();
     assert!(said.contains("no ElementSpacing; expected it in the header, or give `spacing=SX,SY,SZ`, in mm"), "{said}");
     let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5, 0.5, 0.75]) };
     let options = ReadOptions { scale, ..ReadOptions::default() };

@@ -152,10 +152,10 @@ fn spacings_alone_and_a_fourth_axis_of_one_are_read() {
     ] {
         let swaps = [&[(directions, lines)], &old[1..]].concat();
         assert_eq!(ends(given(&swaps, [0.5, 0.25, 0.75]).expect("read")), tips(affine), "{lines}");
-        let said = read("a.nrrd", &nrrd(&swaps, &bar())).unwrap_err().to_string();
+        let said = read("a.nrrd", &nrrd(&swaps, &bar())).unwrap_err();
         assert!(said.contains("no spacing along axis 0; expected spacings, ") && said.contains("`spacing=SX,SY,SZ`"), "{said}");
     }
-    let other = given(&old, [1.0; 3]).unwrap_err().to_string();
+    let other = given(&old, [1.0; 3]).unwrap_err();
     assert!(other.contains("states voxels of 0.5 x 0.25 x 0.75 mm; expected no other `spacing`"), "{other}");
     let steps = "(0,0.5,0) (-0.5,0,0) (0,0,0.75)";
     for (sizes, steps_of, kinds) in [
