@@ -150,10 +150,10 @@ fn graphml_with_its_ends_swapped_is_the_same_to_the_last_bit() {
         assert!(notes.is_empty(), "{notes:?}");
     }
     // A node that was moved, at one end of its points.
-    let moved = text.replacen(">0.1</data>", ">9.5</data>", 1);
+    let moved = text.replacen(">0.3</data>", ">9.5</data>", 1);
     assert_ne!(moved, text);
     let found = read_graphml(moved.as_bytes(), &ReadOptions::default()).unwrap_err().in_file(Path::new("g")).to_string();
-    let said = "lies at 9.5 0 0.3 and its end of points at 0.1 0 0.3; expected points from node to node, or none";
+    let said = "lies at 0.1 0 9.5 and its end of points at 0.1 0 0.3; expected points from node to node, or none";
     assert!(found.ends_with(said), "{found}");
 }
 
