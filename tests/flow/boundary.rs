@@ -304,7 +304,9 @@ fn the_ends_that_hold_share_the_total() {
     assert_eq!((&named.found_outlets[..], &named.named_outlets[..]), (&[1, 2, 4, 5][..], &[6][..]));
     let named = named.held(&network, |_| true);
     assert!(named.conditions == held.conditions && !named.is_found(6));
-    // In a file it is stated and stays as it is, and so do the shares of the others.
+    // A file has it as found, so that who reads it shares the total in the same way.
+    assert!(named.stated()[6].2);
+    // One that a person states there stays as it is, and so do the shares of the others.
     network.node_mut(6).condition = boundary.condition(6);
     let file = Boundary { found_outlets: vec![1, 2, 4, 5], ..boundary.clone() }.held(&network, |_| true);
     assert_eq!((file.condition(2), file.condition(6)), (held.condition(2), boundary.condition(6)));

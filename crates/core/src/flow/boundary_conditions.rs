@@ -195,7 +195,6 @@ impl Boundary {
         } else {
             1.0
         };
-        let shares = |node: usize| self.is_found(node) || self.named_outlets.binary_search(&node).is_ok();
         let mut roles = self.roles.clone();
         let mut conditions = self.conditions.clone();
         conditions.retain_mut(|(node, condition)| {
@@ -204,7 +203,7 @@ impl Boundary {
                 return false;
             }
             if let Condition::Resistance { resistance, .. } = condition
-                && shares(*node)
+                && self.shares(*node)
                 && fed[*node]
             {
                 *resistance *= scale;
@@ -240,15 +239,21 @@ impl Boundary {
         network
     }
 
-    /// Per node its role, its condition, and whether that was found, as a file states them.
+    /// Per node its role, its condition, and whether that was found, as a file states them: that of an outlet that a landmark names was, too, so that
+    /// the file shares the total as this does.
     pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, bool)> {
-        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.is_found(node));
+        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.shares(node));
         self.roles.iter().enumerate().map(of_node).collect()
     }
 
     /// Whether the condition of a node was found, not stated.
     pub fn is_found(&self, node: usize) -> bool {
         self.found_inlets.binary_search(&node).is_ok() || self.found_outlets.binary_search(&node).is_ok()
+    }
+
+    /// Whether willis worked out the condition of a node.
+    fn shares(&self, node: usize) -> bool {
+        self.is_found(node) || self.named_outlets.binary_search(&node).is_ok()
     }
 
     /// How many nodes have a role.
