@@ -42,7 +42,7 @@ pub struct ObservedBranch {
     pub nodes: Vec<usize>,
     /// Its points, the nodes first and last.
     pub points: Vec<PathPoint>,
-    /// Its length, m; equal ones on a lattice are equal.
+    /// Its length, m, with 32 bits: equal ones on a lattice are equal.
     pub length: f64,
     /// The median radius of its points, the ends left out, m.
     pub radius: f64,
