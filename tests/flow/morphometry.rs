@@ -145,7 +145,7 @@ fn a_fork_has_its_angles_and_the_exponent_of_murray() {
         let exponent = found.bifurcations[0].murray;
         assert_eq!(exponent.is_some(), has_exponent, "{radius}: {exponent:?}");
         if let Some(k) = exponent {
-            close(0.999999_f64.powf(k) + 0.365_f64.powf(k), 1.0, 1e-9, "Murray's law");
+            close(0.999_999_f64.powf(k) + 0.365_f64.powf(k), 1.0, 1e-9, "Murray's law");
         }
     }
     // Both children 20 degrees above the x-y plane, 45 to either side: the plane through them holds x only lifted by atan(tan 20 / cos 45).
