@@ -158,9 +158,7 @@ impl Inference {
     /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
     /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        let mut network = self.outcome().topology(&self.decision.kept).network.into_owned();
-        (0..network.vessel_count()).for_each(|row| network.vessel_mut(row).kept = Some(true));
-        network
+        self.outcome().topology(&self.decision.kept).network.into_owned()
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.

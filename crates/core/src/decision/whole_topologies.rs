@@ -20,7 +20,6 @@ use petgraph::unionfind::UnionFind;
 use rand::RngExt;
 
 use super::knows_fragments;
-
 use crate::flow::{BatchSolver, Boundary, Circuit, Tube, state::State};
 use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
 use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, options::Patterns};
