@@ -118,15 +118,22 @@ fn a_file_that_somebody_put_there_since_is_not_taken_for_its_own() {
     if !can_trace() {
         return;
     }
-    let here = folder();
-    let (words, _) = commands().swap_remove(0);
-    let nodes = here.path().join("c.nodes.csv");
-    let at = (1..9).find(|at| killed(here.path(), &words, *at) && nodes.exists()).expect("the table of nodes comes first");
-    fs::write(here.path().join("mine"), "mine").expect("written");
-    fs::rename(here.path().join("mine"), &nodes).expect("moved");
-    let (status, said) = again(here.path(), &words);
-    assert!(status == Some(2) && said.contains("c.nodes.csv: exists already"), "{at}: {said}");
-    assert_eq!(fs::read(&nodes).expect("there"), b"mine");
+    // One that is moved there, and one that is written into the file of the killed command, so that it has what the file system calls that.
+    for is_moved in [true, false] {
+        let here = folder();
+        let (words, _) = commands().swap_remove(0);
+        let nodes = here.path().join("c.nodes.csv");
+        let at = (1..9).find(|at| killed(here.path(), &words, *at) && nodes.exists()).expect("the table of nodes comes first");
+        if is_moved {
+            fs::write(here.path().join("mine"), "mine").expect("written");
+            fs::rename(here.path().join("mine"), &nodes).expect("moved");
+        } else {
+            fs::write(&nodes, "mine").expect("written");
+        }
+        let (status, said) = again(here.path(), &words);
+        assert!(status == Some(2) && said.contains("c.nodes.csv: exists already"), "{at}: {said}");
+        assert_eq!(fs::read(&nodes).expect("there"), b"mine");
+    }
 }
 
 /// A disk that falters once at the removal of a lock leaves no lock: each removal of `merge` is tried once more. The truth is what stands when

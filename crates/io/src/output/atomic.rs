@@ -4,6 +4,7 @@ use std::fs::{self, Metadata};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 
 use super::in_progress::{check_file_size, check_vacant, entries, folder_of, followed, sync_folder};
 use super::lock::{identity, is_own_folder};
@@ -247,18 +248,21 @@ struct PartialSet {
     files: Vec<Member>,
 }
 
-/// A file of the set, known by its name and by what the file system calls it: another that was put there since is not it.
+/// A file of the set, known by its name, by what the file system calls it and by when it was written: another that was put there since is not it, even
+/// where the file system gives it the number of one that is gone.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 struct Member {
     name: String,
     identity: [u64; 2],
+    modified: SystemTime,
 }
 
 impl Member {
     /// The file at a path, which is to be called as `target`.
     fn of(path: &Path, target: &Path) -> Option<Self> {
         let about = fs::symlink_metadata(path).ok().filter(Metadata::is_file)?;
-        Some(Self { name: target.file_name()?.to_string_lossy().into_owned(), identity: identity(&about) })
+        let name = target.file_name()?.to_string_lossy().into_owned();
+        Some(Self { name, identity: identity(&about), modified: about.modified().ok()? })
     }
 }
 
