@@ -124,7 +124,11 @@ fn a_connection_is_asked_once_and_a_free_end_joined_once() {
     }
     network.vessel_mut(2).evidence = Some(Box::new(Evidence::undirected(0.3)));
     let alone = draw(&network, [false; 4])[&vec![true, true, true, false, false]];
-    assert!((alone - 0.3).abs() < 4.5 * (0.3 * 0.7 / 70_000.0_f64).sqrt(), "{alone}");
+    let is_three_tenths = |found: f64| assert!((found - 0.3).abs() < 4.5 * (0.3 * 0.7 / 70_000.0_f64).sqrt(), "{found}");
+    is_three_tenths(alone);
+    // Beside one that a person accepted it has its own too.
+    network.vessel_mut(3).certain = true;
+    is_three_tenths(draw(&network, [false; 4])[&vec![true, true, true, true, false]]);
 }
 
 /// By hand, where fragments form a forest: of two candidates between the first two fragments, P = 0.6 and 0.2, one is true with 0.6, and is the first with three
@@ -144,7 +148,8 @@ fn two_fragments_are_joined_once_and_a_vessel_may_have_two_daughters() {
     }
     let params = SamplingOptions { samples: 70_000, seed: 5, ..SamplingOptions::default() };
     let source = TopologySource::Connections(KnownEnds { ends: &[false; 6], inlets: &[] });
-    let drawn = shares(&Topologies::draw(&network, &boundary(&network, &[]), &params, source).unwrap());
+    let draw = |network: &Network| shares(&Topologies::draw(network, &boundary(network, &[]), &params, source).unwrap());
+    let drawn = draw(&network);
     let mut expected = BTreeMap::new();
     for (first, p) in [(Some(3), 0.45), (Some(4), 0.15), (None, 0.4)] {
         for (second, q) in [(Some(5), 0.5), (None, 0.5)] {
@@ -160,6 +165,11 @@ fn two_fragments_are_joined_once_and_a_vessel_may_have_two_daughters() {
     for (kept, p) in expected {
         assert!((drawn[&kept] - p).abs() < 4.5 * (p * (1.0 - p) / 70_000.0_f64).sqrt(), "{kept:?}: {} for {p}", drawn[&kept]);
     }
+    // A person accepted the first: one of the last two is true with 0.5, the fourth with five ninths of that, though its end is joined.
+    network.vessel_mut(3).certain = true;
+    let fourth: f64 = draw(&network).iter().filter(|(kept, _)| kept[5]).map(|(_, share)| share).sum();
+    let p = 0.5 * 5.0 / 9.0;
+    assert!((fourth - p).abs() < 4.5 * (p * (1.0 - p) / 70_000.0_f64).sqrt(), "{fourth} for {p}");
 }
 
 #[test]

@@ -66,7 +66,7 @@ impl Topologies {
 
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
-        let ends = known.choices(network, |e, end| e.continuation_odds[end]).into_values();
+        let ends = known.choices(network, Vessel::is_given, |e, end| e.continuation_odds[end]).into_values();
         known.draw(network, params, &ends.map(Alternatives::of_end).collect::<Vec<Alternatives>>())
     }
 
@@ -217,9 +217,15 @@ impl KnownEnds<'_> {
         unfed.fold(1.0, |weight, _| weight * UNFED)
     }
 
-    /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
-    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<Alternative>> {
-        let degree = network.degrees(Vessel::is_given);
+    /// Per end that is free of all vessels but one of those that `hold` it, and may continue, its candidates with their odds, which are `of` the evidence
+    /// and the end.
+    fn choices(
+        &self,
+        network: &Network,
+        hold: impl Fn(&Vessel) -> bool,
+        of: impl Fn(&Evidence, usize) -> f64,
+    ) -> BTreeMap<usize, Vec<Alternative>> {
+        let degree = network.degrees(hold);
         let mut at: BTreeMap<usize, Vec<Alternative>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
@@ -237,7 +243,7 @@ impl KnownEnds<'_> {
 
     /// The free ends in the order in which they are asked, by their most probable candidate, each candidate with the free end to which it leads.
     fn ends_in_turn(&self, network: &Network) -> Vec<Alternatives> {
-        let at = self.choices(network, |e, _| by_itself(e.probability));
+        let at = self.choices(network, holds, |e, _| by_itself(e.probability));
         let mut ends: Vec<(usize, Alternatives)> =
             at.into_iter().map(|(node, choices)| (node, Alternatives::of_end(choices))).collect();
         ends.sort_by(|a, b| b.1.best().total_cmp(&a.1.best()).then(a.0.cmp(&b.0)));
@@ -254,7 +260,7 @@ impl KnownEnds<'_> {
     /// within one fragment, which closes a loop, is asked by itself.
     fn pairs_in_turn(&self, network: &Network) -> Vec<Alternatives> {
         let fragment = fragments(network, |_, v| v.is_given()).of_node;
-        let open = self.choices(network, |e, _| e.probability).into_values().flatten();
+        let open = self.choices(network, holds, |e, _| e.probability).into_values().flatten();
         let rows: BTreeMap<usize, Alternative> = open.map(|choice| (choice.row, choice)).collect();
         let mut pairs: BTreeMap<(Option<[usize; 2]>, Option<usize>), Alternatives> = BTreeMap::new();
         for (row, choice) in rows {
@@ -274,6 +280,11 @@ impl KnownEnds<'_> {
         }
         pairs
     }
+}
+
+/// Whether a vessel holds its ends whatever is decided: candidates beside one that a person accepted have a probability of their own.
+fn holds(vessel: &Vessel) -> bool {
+    vessel.is_given() && vessel.origin != Origin::Candidate
 }
 
 /// The odds of what is true with a probability, if it is asked by itself.
