@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Input, SourceFile, models::Contacts, require};
 use crate::{Error, Network, Result};
 use willis_core::decision::{BESIDE_ACCEPTED, knows_fragments};
-use willis_core::network::{Evidence, GraphEditor, Origin, fragments};
+use willis_core::network::{Evidence, GraphEditor, Origin, Vessel, fragments};
 use willis_core::{error::Fault, network::units::millimetres, support::geometry::distance};
 use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
 use willis_report::{ReadBy, TwiceRead};
@@ -122,7 +122,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
             Some(accepted) => {
                 let probability = f64::from(u8::from(*accepted));
                 (vessel.certain, vessel.prior) = (*accepted, probability);
-                vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, probability)));
+                vessel.evidence = vessel.evidence().map(|e| Box::new(e.with_probability(probability)));
             }
             None if vessel.origin == Origin::Candidate && !vessel.certain => {
                 let Some(follows) = vessel.evidence().and_then(|evidence| excluded.leave(evidence, ends)) else { continue };
@@ -176,15 +176,15 @@ impl Excluded {
         let Evidence { probability, attached, .. } = evidence;
         if !self.of_forest {
             let by: f64 = beside.iter().flatten().map(|_| BESIDE_ACCEPTED).product();
-            return (beside != [None; 2]).then(|| with_probability(evidence, by * probability));
+            return (beside != [None; 2]).then(|| evidence.with_probability(by * probability));
         }
         let [were, are] = [&self.parts[0], &self.parts[1]].map(|parts| parts[a] == parts[b]);
         if are != were {
-            return Some(with_probability(evidence, 0.0));
+            return Some(evidence.with_probability(0.0));
         }
         let left = [0, 1].map(|end| attached[end] * beside[end].unwrap_or(1.0));
         let gone = (attached[0] - left[0]) + (attached[1] - left[1]);
-        (gone > 0.0).then(|| Evidence { attached: left, ..with_probability(evidence, (probability - gone).max(0.0)) })
+        (gone > 0.0).then(|| Evidence { attached: left, ..evidence.with_probability((probability - gone).max(0.0)) })
     }
 }
 
@@ -197,6 +197,20 @@ pub(crate) struct Decidable {
 }
 
 impl Decidable {
+    /// The same where a person has marked candidates or contacts of the file as certain: they are accepted. What was accepted before it was written has A = 1.
+    ///
+    /// # Errors
+    ///
+    /// None where rows are those of the graph.
+    pub(super) fn with_marks(mut self) -> Result<Self> {
+        let is_mark = |v: &Vessel| v.certain && v.origin != Origin::Observed && v.evidence.is_some() && v.prior < 1.0;
+        let marks = self.graph.vessels().enumerate().filter(|(_, (_, vessel))| is_mark(vessel));
+        let accept = |(edge, _)| ConnectionDecision { edge, accepted: Some(true), ..Default::default() };
+        let marks: Vec<ConnectionDecision> = marks.map(accept).collect();
+        apply(&mut self.graph, &marks)?;
+        Ok(self)
+    }
+
     /// The same with decisions. A rejected connection has A = 0, so from then on the vessels' own priors count, which are set to 1. Pairings
     /// follow vessels that an edit divides.
     ///
@@ -227,15 +241,6 @@ impl Decidable {
         }
         Ok(Self { graph, contacts, uniform_prior: uniform_prior && !any })
     }
-}
-
-/// The evidence with another probability; what it says of each end follows in proportion.
-fn with_probability(evidence: Evidence, probability: f64) -> Evidence {
-    let ratio = if evidence.probability > 0.0 { probability / evidence.probability } else { 0.0 };
-    let odds = Evidence::odds(probability);
-    let attached = evidence.attached.map(|p| (ratio * p).min(1.0));
-    let continuation_odds = evidence.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 });
-    Evidence { probability, attached, continuation_odds }
 }
 
 /// What two readers decided on the connections of a run, as [`read_run`](crate::read_run) has it, in the order of its rows: each that one of them decided on. `files` are their

@@ -57,7 +57,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         Some(cuts) => cuts.open(graph, scene.as_ref(), notes.follow),
         None => (graph, Contacts::default(), None),
     };
-    let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() };
+    let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() }.with_marks()?;
     let keep = options.keep.unwrap_or(loaded.prior.usual_rule(&undecided.graph));
     let decided = loaded.decisions.map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
     let before = decided.is_some().then(|| Arc::new(undecided.clone()));

@@ -438,3 +438,69 @@ fn an_unedited_graph_of_a_mask_gives_the_answer_of_the_mask() {
     assert!(edges("mask").contains(",contact,"));
     assert_eq!(edges("graph"), edges("mask"));
 }
+
+/// The rows of candidates with P of one half and more, in a run of the broken circle.
+fn probable(here: &Path, run: &str) -> Vec<usize> {
+    let edges = table(&here.join(run).join("edges.csv"));
+    let is_probable = |row: &Row| row["probability"].parse::<f64>().is_ok_and(|p| p >= 0.5);
+    (0..edges.len()).filter(|row| is_probable(&edges[*row])).collect()
+}
+
+/// Writes the graph of a run anew with a text in these edges, and infers from it.
+fn changed(here: &Path, rows: &[usize], out: &str, change: impl Fn(&str) -> String) -> Vec<Row> {
+    let graph = fs::read_to_string(here.join("run/candidates.graphml")).expect("a graph");
+    let mut parts: Vec<String> = graph.split("<edge ").map(str::to_owned).collect();
+    let key = "<key id=\"certain\" for=\"edge\" attr.name=\"certain\" attr.type=\"boolean\"/><key ";
+    parts[0] = parts[0].replacen("<key ", key, 1);
+    for row in rows {
+        parts[row + 1] = change(&parts[row + 1]);
+    }
+    fs::write(here.join("graph.graphml"), parts.join("<edge ")).expect("written");
+    let output = willis(here, &["infer", "graph.graphml", "-o", out, "-n", "128", "-q"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    table(&here.join(out).join("edges.csv"))
+}
+
+/// Other places of the same connection are no loops that are open.
+#[test]
+fn what_is_marked_certain_in_a_graph_is_accepted() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "run", &[]);
+    let rows = probable(here, "run");
+    let marked = changed(here, &rows, "marked", |edge| edge.replacen('>', "><data key=\"certain\">true</data>", 1));
+    let (edges, nodes) = (table(&here.join("run/edges.csv")), table(&here.join("run/nodes.csv")));
+    let id = |row: usize, end: &str| &nodes[edges[row][end].parse::<usize>().expect("a row")]["id"];
+    let lines = rows.iter().map(|row| format!("{row},{},{},accept\n", id(*row, "node_a"), id(*row, "node_b")));
+    fs::write(here.join("accept.csv"), format!("edge,id_a,id_b,decision\n{}", lines.collect::<String>())).expect("written");
+    infer(here, "accepted", &["--decisions", "accept.csv"]);
+    let accepted = table(&here.join("accepted/edges.csv"));
+    assert!(rows.len() > 3 && rows.iter().all(|row| marked[*row]["kept"] == "1"), "{rows:?}");
+    for (row, (a, b)) in marked.iter().zip(&accepted).enumerate() {
+        assert_eq!((&a["probability"], &a["prior"], &a["kept"]), (&b["probability"], &b["prior"], &b["kept"]), "{row}");
+    }
+}
+
+/// A is the probability of a candidate, and what it hangs by are shares of it.
+#[test]
+fn samples_go_by_a_probability_that_is_changed_in_a_graph() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "run", &[]);
+    let edges = table(&here.join("run/edges.csv"));
+    let rows = probable(here, "run");
+    let row = rows[0];
+    let p = edges[row]["probability"].clone();
+    let halved = (p.parse::<f64>().expect("P") / 2.0).to_string();
+    let graph = fs::read_to_string(here.join("run/candidates.graphml")).expect("a graph");
+    let key = |name: &str| {
+        let at = graph.find(&format!("attr.name=\"{name}\" attr.type=\"double\"")).expect("a key");
+        graph[..at].rsplit('"').nth(3).expect("an id").to_owned()
+    };
+    let key = key("probability");
+    let field = |value: &str| format!("<data key=\"{key}\">{value}</data>");
+    let found = changed(here, &[row], "halved", |edge| edge.replace(&field(&p), &field(&halved)));
+    assert_eq!((&found[row]["probability"], &found[row]["prior"]), (&halved, &halved));
+    let others = (0..edges.len()).filter(|other| *other != row);
+    others.for_each(|other| assert_eq!(found[other]["prior"], edges[other]["prior"], "{other}"));
+}

@@ -11,7 +11,7 @@ use crate::networks::{MMHG, VISCOSITY, boundary, pressure, radii, random_conditi
 use crate::solvers::agree;
 use crate::vessels::{network, tube};
 use willis::internals::flow::{Boundary, Circuit};
-use willis::internals::network::{Condition, Network, Origin, Role, Vessel};
+use willis::internals::network::{Condition, Evidence, Network, Origin, Role, Vessel};
 use willis::internals::phantom::{Breaks, break_up, cerebral, circle_of_willis, without};
 use willis::internals::sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, infer};
 use willis::internals::support::geometry::distance;
@@ -82,6 +82,10 @@ fn a_gap_by_hand() {
             let through = 100.0 / (1.0 + at_a);
             let over = through * at_a / (2.0 + at_b);
             let on = over * at_b / 7.0;
+            // What evidence says for certain is a true connection in every sample.
+            let mut sure = gap(1.0);
+            sure.vessel_mut(1).evidence = Some(Box::new(Evidence::undirected(1.0)));
+            of(&sure, epsilon, FoundConditions::Evidence, [(1.0 - epsilon) * 100.0; 3]);
             for (network, found, prior) in [(&network, FoundConditions::Fixed, 0.6), (&gap(1.0), FoundConditions::Evidence, 1.0)]
             {
                 let open: f64 = prior * (1.0 - epsilon);
@@ -92,7 +96,30 @@ fn a_gap_by_hand() {
     }
 }
 
-/// As above, with B -1Ω- D fed from an inlet found at D, and A a stated outlet of 3 Ω, B one found at ground.
+/// I -1Ω- A ..1Ω.. B at ground, and A ..1Ω.. C, with a terminal of 3 Ω found at A; nothing is known of the first candidate, the second is true or not.
+///
+/// - True: A is no end. 50 flow in both vessels before B.
+/// - False: at A 3 Ω lie beside 1 Ω. Of 100 over 1.75, three quarters go on to B: the two vessels of one radius do not carry one flow.
+#[test]
+fn what_leaves_by_a_terminal_that_holds_parts_two_vessels_in_series() {
+    let candidate = |prior| Vessel { origin: Origin::Candidate, prior, ..tube(10.0, 1.0) };
+    let network = network(4, [([0, 1], tube(10.0, 1.0)), ([1, 2], candidate(1.0)), ([1, 3], candidate(0.5))]);
+    let conditions = [(0, pressure(100.0)), (1, terminal(3.0)), (2, pressure(0.0))];
+    let boundary = found(boundary(&network, &conditions), &[], &[1]);
+    let unit = 8.0 * VISCOSITY * (MMHG / OHM).powi(2) / (PI * PI * 1e-18);
+    let through: f64 = 100.0 / 1.75;
+    let by_hand = [0.5 * 2500.0 + 0.5 * through.powi(2), 0.5 * 2500.0 + 0.5 * (0.75 * through).powi(2)];
+    for solver in SOLVERS {
+        let options = SamplingOptions { solver, epsilon: 0.0, exact: true, samples: 1, ..SamplingOptions::default() };
+        let result = sampled(&network, &boundary, &options);
+        for (row, by_hand) in by_hand.into_iter().enumerate() {
+            let got = result.likelihood[row] / unit;
+            assert!((got / by_hand - 1.0).abs() < 1e-12, "{solver:?}, vessel {row}: {got} for {by_hand}");
+        }
+    }
+}
+
+/// As in the gap above, with B -1Ω- D fed from an inlet found at D, and A a stated outlet of 3 Ω, B one found at ground.
 ///
 /// - False: 25 from I to A; 100 from D to B at ground.
 /// - True and occluded: 25 from I to A. B is an end no more, so D feeds nothing.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, ensure, require};
 use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck};
+use crate::network::{Condition, Found, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::ties::{compare, near_zero, steady};
 use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
 
@@ -101,15 +101,17 @@ impl Boundary {
         let sinks = given.iter().any(|g| g.role == Role::Outlet);
         // They stand beside those that are stated, such as the outlets that landmarks named.
         boundary.found_inlets = boundary.found_before(network, Role::Inlet);
-        boundary.found_outlets = boundary.found_before(network, Role::Outlet);
+        let before = boundary.found_before(network, Role::Outlet).into_iter();
+        (boundary.named_outlets, boundary.found_outlets) = before.partition(|node| network.node(*node).found == Found::Named);
+        let sinks = sinks || boundary.named_outlets.len() + boundary.found_outlets.len() > 0;
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
-            let inlets = ends.inlets(known, !sinks && boundary.found_outlets.is_empty());
+            let inlets = ends.inlets(known, !sinks);
             ensure(!inlets.is_empty(), || none("inlet", &ends, sinks))?;
             boundary.find(&inlets, Role::Inlet, |_| Condition::INLET);
             boundary.found_inlets = inlets;
         }
-        if !sinks && boundary.found_outlets.is_empty() {
+        if !sinks {
             let found: Vec<usize> = ends.nodes.iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
             ensure(!found.is_empty(), || none("outlet", &ends, true))?;
             let cube = |node: usize| ends.radius[node].powi(3);
@@ -141,7 +143,7 @@ impl Boundary {
     /// Takes over the conditions of a role that the file says were found, and returns their nodes.
     fn found_before(&mut self, network: &Network, role: Role) -> Vec<usize> {
         let mut nodes = Vec::new();
-        for (node, of) in network.nodes().enumerate().filter(|(_, of)| of.found && of.role == Some(role)) {
+        for (node, of) in network.nodes().enumerate().filter(|(_, of)| !of.found.is_stated() && of.role == Some(role)) {
             if let Some(condition) = of.condition.filter(|_| self.roles[node] == Role::Inner) {
                 self.roles[node] = role;
                 self.conditions.push((node, condition));
@@ -239,10 +241,12 @@ impl Boundary {
         network
     }
 
-    /// Per node its role, its condition, and whether that was found, as a file states them: that of an outlet that a landmark names was, too, so that
-    /// the file shares the total as this does.
-    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, bool)> {
-        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.shares(node));
+    /// Per node its role, its condition, and whether that was found, as a file states them.
+    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, Found)> {
+        let found = |node| if self.is_found(node) { Found::AtEnd } else { Found::Named };
+        let of_node = |(node, role): (usize, &Role)| {
+            (Some(*role), self.condition(node), if self.shares(node) { found(node) } else { Found::Stated })
+        };
         self.roles.iter().enumerate().map(of_node).collect()
     }
 
@@ -282,7 +286,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
         _ => Role::Outlet,
     };
     let given = network.nodes().enumerate().filter_map(|(node, n)| {
-        let condition = n.condition.filter(|_| !n.found)?;
+        let condition = n.condition.filter(|_| n.found.is_stated())?;
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()

@@ -42,6 +42,16 @@ impl Evidence {
         Self { attached, ..self }
     }
 
+    /// The same evidence with another probability; what it says of each end follows in proportion.
+    #[must_use]
+    pub fn with_probability(self, probability: f64) -> Self {
+        let ratio = if self.probability > 0.0 { probability / self.probability } else { 0.0 };
+        let odds = Self::odds(probability);
+        let attached = self.attached.map(|p| (ratio * p).min(1.0));
+        let continuation_odds = self.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 });
+        Self { probability, attached, continuation_odds }
+    }
+
     /// The odds of continuing by a candidate of weight w.
     pub fn odds_of_weight(weight: f64) -> f64 {
         (weight / END_ODDS).clamp(0.0, MOST_ODDS)
@@ -250,6 +260,31 @@ impl Windkessel {
     }
 }
 
+/// Whether the condition of a node is one that willis found or worked out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Found {
+    /// It is stated as it is.
+    #[default]
+    Stated,
+    /// It was found, and holds only while the node is a free end.
+    AtEnd,
+    /// A landmark names the outlet, so that it always holds; its resistance is a share of the total, as of those found.
+    Named,
+}
+
+impl Found {
+    /// The word in files.
+    pub fn name(self) -> &'static str {
+        // In the order of the variants.
+        ["false", "true", "landmark"][self as usize]
+    }
+
+    /// Whether it is stated as it is.
+    pub fn is_stated(&self) -> bool {
+        *self == Self::Stated
+    }
+}
+
 /// A junction, a free end or a landmark.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Node {
@@ -271,9 +306,9 @@ pub struct Node {
     /// The parts of a Windkessel that the input states beside a terminal resistance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub windkessel: Option<Box<Windkessel>>,
-    /// Whether an earlier run found that condition, so that it holds only while this is a free end.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub found: bool,
+    /// Whether an earlier run found that condition.
+    #[serde(default, skip_serializing_if = "Found::is_stated")]
+    pub found: Found,
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,

@@ -66,7 +66,7 @@ impl Weight {
 #[serde(rename_all = "kebab-case")]
 pub enum FoundConditions {
     /// Where none of the candidates and contacts at its end is a true connection. Each is one with the probability A, occluded or not, so ε has
-    /// no say. What has A = 1 and is not certain has no evidence, and counts for nothing.
+    /// no say. What has A = 1, is not certain and has no evidence for it is unknown, and counts for nothing.
     #[default]
     Evidence,
     /// In every sample, as what is stated and as the source and the ground of the paper.
@@ -148,7 +148,8 @@ impl SamplingOptions {
         }
         let speaks = |row: &usize| {
             let vessel = network.vessel(*row);
-            vessel.certain || vessel.prior > 0.0 && vessel.prior < 1.0
+            let is_sure = vessel.evidence().is_some_and(|evidence| evidence.probability >= 1.0);
+            vessel.certain || vessel.prior > 0.0 && (vessel.prior < 1.0 || is_sure)
         };
         let some = boundary.provisional(network).into_iter().map(|mut at| {
             at.others.retain(speaks);

@@ -114,7 +114,8 @@ impl Reference {
                 rho = (0..rho.len()).map(|vessel| Lanes([drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))])).collect();
             }
         }
-        let flowing: Vec<u64> = rho.iter().map(|rho| u64::from(rho[0] > 0.0)).collect();
+        let terminals = (rho.len()..self.circuit.row_count()).map(|row| u64::from(open(row)));
+        let flowing: Vec<u64> = rho.iter().map(|rho| u64::from(rho[0] > 0.0)).chain(terminals).collect();
         self.ties.equalise(&mut rho, &flowing, &mut Vec::new());
         rho.into_iter().map(|rho| rho[0]).collect()
     }

@@ -121,7 +121,7 @@ pub struct GraphWorkspace<const B: usize> {
     kruskal: Kruskal,
     expected: ExpectedForest,
     diffused: Vec<ForestEdge>,
-    /// Per row the samples of a group in which it flows, as bits.
+    /// Per row the samples of a group in which it flows, and per terminal those in which it holds, as bits.
     flowing: Vec<u64>,
     ties: Vec<Tie>,
     drops: DropsWorkspace,
@@ -242,6 +242,7 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
                 for rho in &*resilience {
                     flowing.push(positive(simd, rho));
                 }
+                flowing.extend(masks[graph.rows.len()..].iter().map(|holds| holds >> first));
                 graph.ties.equalise(resilience, flowing, ties);
             }
             let mut total = Lanes::ZERO;

@@ -1,7 +1,7 @@
 //! Ties between vessels in series. Where nothing branches off between two vessels they carry one flow, and with equal radii they have one
-//! resilience. Rounding separates them, differently in every solver; here they are made equal to the last bit.
+//! resilience. Rounding separates them, differently in every solver; here they are made equal to the last bit. A terminal that holds branches off.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use crate::{flow::Circuit, support::simd::Lanes};
 
@@ -14,7 +14,7 @@ pub struct Ties {
 /// A node with vessels that are alike.
 #[derive(Debug)]
 struct TieNode {
-    /// Its vessels, by factor.
+    /// Its vessels, by factor, and last the row of its terminal, if it has one.
     vessels: Vec<u32>,
     /// Where those of one factor lie among them, if there are several.
     alike: Vec<Range<usize>>,
@@ -32,12 +32,13 @@ impl Ties {
     pub fn new(circuit: &Circuit, factor: &[f64]) -> Self {
         let nodes = circuit.node_count();
         let mut around = vec![Vec::new(); nodes];
-        // Where a terminal holds, no other vessel is open that could tie.
         for (vessel, ends) in circuit.ends.iter().enumerate().take(factor.len()).filter(|(_, [a, b])| a != b) {
             for end in ends {
                 around[*end].push(vessel as u32);
             }
         }
+        let terminals: BTreeMap<usize, u32> =
+            (factor.len()..circuit.row_count()).map(|row| (circuit.ends[row][0], row as u32)).collect();
         let mut ties = Self { nodes: Vec::new() };
         let (mut seen, mut stack) = (vec![false; nodes], Vec::new());
         for root in 0..nodes {
@@ -51,7 +52,9 @@ impl Ties {
                     stack.extend(Some(if a == node { b } else { a }).filter(|other| !seen[*other]));
                 }
                 if circuit.is_inner(node) {
-                    ties.nodes.extend(TieNode::of(std::mem::take(&mut around[node]), factor));
+                    let mut vessels = std::mem::take(&mut around[node]);
+                    vessels.extend(terminals.get(&node));
+                    ties.nodes.extend(TieNode::of(vessels, factor));
                 }
             }
         }
@@ -64,7 +67,7 @@ impl Ties {
     }
 
     /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group. `flowing` has the samples in which
-    /// each vessel has any, as bits; `ties` is memory.
+    /// each vessel has any and each terminal holds, as bits; `ties` is memory.
     pub fn equalise<const B: usize>(&self, resilience: &mut [Lanes<B>], flowing: &[u64], ties: &mut Vec<Tie>) {
         ties.clear();
         for TieNode { vessels, alike } in &self.nodes {
@@ -117,9 +120,10 @@ impl Ties {
 impl TieNode {
     /// A node with these vessels; `None` where no two of them are alike.
     fn of(mut vessels: Vec<u32>, factor: &[f64]) -> Option<Self> {
-        vessels.sort_unstable_by(|a, b| factor[*a as usize].total_cmp(&factor[*b as usize]));
+        let factor = |row: &u32| factor.get(*row as usize).copied().unwrap_or(f64::NAN);
+        vessels.sort_unstable_by(|a, b| factor(a).total_cmp(&factor(b)));
         let (mut alike, mut first) = (Vec::new(), 0);
-        for group in vessels.chunk_by(|a, b| same(factor[*a as usize], factor[*b as usize])) {
+        for group in vessels.chunk_by(|a, b| same(factor(a), factor(b))) {
             let last = first + group.len();
             if group.len() > 1 {
                 alike.push(first..last);

@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
 use crate::formats::{millimetres, number, plural, real};
-use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
+use willis_core::network::{
+    Condition, Evidence, Found, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
+};
 use willis_core::network::{metres, path_places::length_of, units};
 use willis_core::support::distinct;
 
@@ -63,12 +65,20 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
             role,
             condition: condition(&item, role, has_roles)?,
             windkessel: windkessel(&item)?.stated(),
-            found: item.boolean("found")?.unwrap_or(false),
+            found: found(&item)?,
             root_score: item.share("alone")?,
             ..Node::default()
         });
     }
     Ok(nodes)
+}
+
+/// Whether an earlier run found the condition of the node.
+fn found(item: &Item) -> Result<Found, Fault> {
+    match item.text("found") {
+        Some("landmark") => Ok(Found::Named),
+        _ => Ok(if item.boolean("found")? == Some(true) { Found::AtEnd } else { Found::Stated }),
+    }
 }
 
 /// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
@@ -201,15 +211,21 @@ pub(crate) fn vessels(
         let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
         let origin = item.word("origin", known)?;
         origins += usize::from(origin.is_some());
+        let certain = item.boolean("certain")?.unwrap_or(false);
+        let evidence = evidence(&item, origin)?;
+        let (evidence, earlier) = evidence.map_or((None, None), |(evidence, earlier)| (Some(Box::new(evidence)), earlier));
+        // Where A was the probability that was changed by hand, it is the new one.
+        let is_stated = |prior: &f64| certain || earlier.is_none_or(|earlier: f64| (earlier - prior).abs() > 1e-12 * prior);
+        let prior = item.share("prior")?.filter(is_stated);
         let vessel = Vessel {
             length,
             radius,
             resistance: item.positive(RESISTANCE)?.map(units::pascal_seconds_per_cubic_metre),
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
-            prior: item.share("prior")?.unwrap_or(1.0),
-            certain: item.boolean("certain")?.unwrap_or(false),
-            evidence: evidence(&item, origin)?.map(Box::new),
+            prior: prior.or(evidence.as_ref().map(|e| e.probability)).unwrap_or(1.0),
+            certain,
+            evidence,
             kept: item.boolean("kept")?,
             wall: wall(&item)?,
             path,
@@ -267,21 +283,24 @@ fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
     }
 }
 
-/// The evidence that the edge states: its probability, which end feeds the other, and the odds that each end continues.
-fn evidence(item: &Item, origin: Option<Origin>) -> Result<Option<Evidence>, Fault> {
+/// The evidence that the edge states: its probability, which end feeds the other, and the odds that each end continues; and, where the probability was
+/// changed by hand, what it was.
+fn evidence(item: &Item, origin: Option<Origin>) -> Result<Option<(Evidence, Option<f64>)>, Fault> {
     let Some(probability) = item.share("probability")? else { return Ok(None) };
     let mut evidence = Evidence::undirected(probability);
-    if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
-        // What was written so is read to the same bits; a probability that was changed by hand is divided in the same shares. Of a contact
-        // the two are no shares of it.
-        let is_whole = origin == Some(Origin::Contact) || (a + b - probability).abs() <= 1e-12 * probability;
-        evidence = if is_whole { Evidence { attached: [a, b], ..evidence } } else { evidence.divided([a, b]) };
-    }
     let odds = |key: &str| item.checked(key, |x| x >= 0.0, "expected odds, zero or more");
     if let [Some(a), Some(b)] = [odds("continues_a")?, odds("continues_b")?] {
         evidence.continuation_odds = [a, b];
     }
-    Ok(Some(evidence))
+    if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
+        evidence.attached = [a, b];
+        // What was written so is read to the same bits. Of a contact the two are no shares of it.
+        if origin != Some(Origin::Contact) && (a + b - probability).abs() > 1e-12 * probability {
+            evidence.probability = a + b;
+            return Ok(Some((evidence.with_probability(probability), Some(a + b))));
+        }
+    }
+    Ok(Some((evidence, None)))
 }
 
 /// How far a node may lie from where its edges have it, m: files may be rounded.
