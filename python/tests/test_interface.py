@@ -53,7 +53,7 @@ def parameters_of(*functions):
         ("infer", (willis.read, willis.infer), set()),
         ("candidates", (willis.read, willis.candidates), {"threads"}),
         ("simulate", (willis.read, willis.simulate), {"threads"}),
-        ("modulate", (willis.read, willis.modulate), {"inlet", "outlet", "flow", "bc", "outlets", "vessel"}),
+        ("modulate", (willis.read, willis.modulate), set()),
         ("classify", (willis.read, willis.classify), {"threads", "truth"}),
         ("measure", (willis.read, willis.measure), {"threads", "outlet", "flow", "bc", "outlets"}),
         ("train", (willis.train,), {"threads"}),

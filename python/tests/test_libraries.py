@@ -2,6 +2,7 @@
 
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -228,6 +229,16 @@ def test_many_labels_are_those_of_each(tmp_path):
         alone = willis.label(BROKEN)
     of = names.labelled(names.subjects["subject"][0])
     assert len(of.landmarks["label"]) > 5 and same(of.landmarks["probability"], alone.landmarks["probability"])
+    # Options of read and of candidates: the same lengths in another unit, and no condition, as nothing flows.
+    micro = tmp_path / "micro.swc"
+    lines = [line.split() for line in Path(BROKEN).read_text().splitlines() if line and not line.startswith("#")]
+    micro.write_text("".join(" ".join([*one[:2], *(repr(1000 * float(x)) for x in one[2:6]), one[6]]) + "\n" for one in lines))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", willis.Note)
+        scaled = willis.label(micro, units="um", k=5, frame="RAS")
+    assert same(scaled.landmarks["label"], alone.landmarks["label"])
+    with pytest.raises(willis.WillisError, match="inlets: no option of label"):
+        willis.label(BROKEN, inlets=["1"])
 
 
 def test_two_readers_are_compared(run, tmp_path):

@@ -342,8 +342,10 @@ def test_notes_are_warnings(tmp_path):
 def test_modulation_and_phenotype_are_those_of_the_command(tmp_path):
     path = str(tmp_path / "circle.graphml")
     willis.phantom("circle-of-willis").save(path)
-    willis.modulate(path, samples=20, seed=3).save(tmp_path / "module")
-    command("modulate", path, "-o", str(tmp_path / "command"), "--samples", "20", "--seed", "3", "--quiet")
+    stated = {"inlets": ["1=90mmHg"], "outlets": {"9": "ground"}}
+    willis.modulate(path, samples=20, seed=3, **stated).save(tmp_path / "module")
+    conditions = ["--inlet", "1=90mmHg", "--outlet", "9=ground"]
+    command("modulate", path, "-o", str(tmp_path / "command"), "--samples", "20", "--seed", "3", *conditions, "--quiet")
     names = [p.name for p in (tmp_path / "command").iterdir() if p.suffix == ".csv"]
     assert names and filecmp.cmpfiles(tmp_path / "module", tmp_path / "command", names, shallow=False)[0] == names
     command("classify", path, "-o", str(tmp_path / "classified"), "--quiet")

@@ -150,6 +150,10 @@ def modulate(
     reading: Literal["increment", "conductance", "literal", "geometry"] = "increment",
     vessels: Sequence[str] | None = None,
     viscosity: str = "3.5cP",
+    inlets: Nodes | None = None,
+    outlets: str | Nodes | None = None,
+    flows: Nodes | None = None,
+    bc: PathLike | None = None,
     threshold: float | None = None,
     unfed: Literal["drop", "keep"] = "keep",
     threads: int | None = None,
@@ -157,7 +161,7 @@ def modulate(
 ) -> Modulation:
     """Modulates the resistances of a network at random: what ``willis modulate`` does.
 
-    ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2; ``unfed="drop"`` leaves out vessels that no inlet feeds.
+    ``classes`` are pairs, low and high, of u; boundary conditions are as in :func:`infer`; ``threshold`` is in mmHg/mm2; ``unfed="drop"`` leaves out vessels that no inlet feeds.
     """
     given = {
         "classes": ",".join(":".join(map(text, _pair(one))) for one in classes),
@@ -166,6 +170,8 @@ def modulate(
         "reading": reading,
         "vessels": vessels,
         "viscosity": viscosity,
+        **conditions(inlets, outlets, flows),
+        "bc": bc,
         "threshold": threshold,
         "unfed": unfed,
     }

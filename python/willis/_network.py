@@ -424,7 +424,7 @@ def from_mask(
 
     ``affine`` (4, 4) is that of nibabel, from voxels to the scanner's frame in mm. Without it ``spacing`` is the size of a voxel in mm,
     along each axis, and ``frame`` says which way the axes point; without that too, left and right are not known. ``level`` takes
-    probabilities, in which what is above it is inside.
+    probabilities, in which what is at least as large is inside.
     """
     given = {name: value for name, value in locals().items() if name not in ("mask", "affine")}
     if (affine is None) == (spacing is None):

@@ -72,12 +72,12 @@ class Run:
 
     @property
     def undecided(self) -> npt.NDArray[np.int64]:
-        """The rows of the vessels whose decision two standard errors could flip."""
+        """The rows of the vessels whose decision is not sure: their probability is near the cut, or L within two standard errors of its threshold."""
         return self._run.undecided()
 
     @property
     def review(self) -> Table | None:
-        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is undecided."""
+        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is asked."""
         columns = self._run.review()
         return None if columns is None else Table(columns)
 
@@ -100,7 +100,7 @@ class Run:
 
     @property
     def topology(self) -> Network:
-        """The plausible topology: the vessels that are kept, with all nodes."""
+        """The plausible topology: the vessels that are kept, those that candidates divided in vain as one again."""
         return _topology_of(self)
 
     def rekeep(self, keep: str) -> Run:
@@ -419,12 +419,12 @@ class SavedRun:
 
     @property
     def undecided(self) -> npt.NDArray[np.int64]:
-        """The rows of the vessels whose decision two standard errors could flip."""
+        """The rows of the vessels whose decision is not sure: their probability is near the cut, or L within two standard errors of its threshold."""
         return np.asarray(self.record["convergence"]["undecided_edges"], dtype=np.int64)
 
     @property
     def review(self) -> Table | None:
-        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is undecided."""
+        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is asked."""
         path = self.folder / "review.csv"
         return table_of(path) if path.exists() else None
 
@@ -445,7 +445,7 @@ class SavedRun:
 
     @property
     def topology(self) -> Network:
-        """The plausible topology: the vessels that are kept, with all nodes."""
+        """The plausible topology: the vessels that are kept, those that candidates divided in vain as one again."""
         return read(self.folder / "topology.graphml")
 
     def __repr__(self) -> str:

@@ -15,8 +15,8 @@ from typing import Any, Literal
 from . import _willis
 from ._errors import Note, WillisError
 from ._following import PathLike, say
-from ._network import _Axes, Network, Source, Table, defaults_of, network_of, read, read_run
-from ._run import Run, SavedRun, infer, table_of
+from ._network import Network, Source, Table, defaults_of, network_of, read, read_run
+from ._run import Run, SavedRun, candidates, infer, table_of
 from ._words import Nodes, Repeated, conditions, words
 
 
@@ -95,11 +95,13 @@ class Labelled:
         return f"<willis.Labelled: {len(self.landmarks['label'])} landmarks>"
 
 
-def label(source: PathLike, *, model: PathLike | None = None, frame: _Axes | None = None) -> Labelled:
-    """Names the arteries of a file from their geometry alone: what ``willis label`` does."""
+def label(source: PathLike, *, model: PathLike | None = None, **options: Any) -> Labelled:
+    """Names the arteries of a file from their geometry alone: what ``willis label`` does; ``options`` are those of :func:`read` and, but for
+    boundary conditions, of :func:`candidates`.
+    """
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "labelled.graphml")
-        _willis.call(["label", os.fspath(source), "-o", str(out), *words({"model": model, "frame": frame}, {})], say)
+        _willis.call(["label", os.fspath(source), "-o", str(out), *_label_words(model, options)], say)
         return Labelled(Path(folder))
 
 
@@ -214,22 +216,30 @@ def cohort(paths: Sequence[PathLike] | PathLike, output: PathLike | None = None,
     """
     inputs = _inputs(paths)
     defaults = {**defaults_of(read), **defaults_of(infer)}
-    unknown = sorted(set(options) - set(defaults) | set(options) & {"part", "background", "threads", "progress"})
-    if unknown:
-        raise WillisError(f"{unknown[0]}: no option of a cohort; expected those of read and infer", item=unknown[0])
+    _check_known("a cohort", "read and infer", options, defaults, {"background", "threads", "progress"})
     options |= conditions(*(options.pop(name, None) for name in ("inlets", "outlets", "flows")))
     return _made("infer", inputs, output, words(options, defaults))
 
 
 def label_cohort(
-    paths: Sequence[PathLike] | PathLike,
-    output: PathLike | None = None,
-    *,
-    model: PathLike | None = None,
-    frame: _Axes | None = None,
+    paths: Sequence[PathLike] | PathLike, output: PathLike | None = None, *, model: PathLike | None = None, **options: Any
 ) -> Cohort:
-    """Names the arteries of many inputs: what ``willis label`` does with several, a pattern or a manifest; as :func:`cohort`."""
-    return _made("label", _inputs(paths), output, words({"model": model, "frame": frame}, {}))
+    """Names the arteries of many inputs: what ``willis label`` does with several, a pattern or a manifest; as :func:`cohort`, with the
+    ``options`` of :func:`label`.
+    """
+    return _made("label", _inputs(paths), output, _label_words(model, options))
+
+
+def _label_words(model: PathLike | None, options: dict[str, Any]) -> list[str]:
+    defaults = {**defaults_of(read), **defaults_of(candidates)}
+    _check_known("label", "read and candidates", options, defaults, {"inlets", "outlets", "flows", "bc"})
+    return words({"model": model, **options}, defaults)
+
+
+def _check_known(of: str, others: str, options: dict[str, Any], known: dict[str, Any], but: set[str]) -> None:
+    unknown = sorted(set(options) - set(known) | set(options) & but)
+    if unknown:
+        raise WillisError(f"{unknown[0]}: no option of {of}; expected those of {others}", item=unknown[0])
 
 
 def _inputs(paths: Sequence[PathLike] | PathLike) -> list[str]:

@@ -1,6 +1,6 @@
 //! `willis candidates`: only the over-connected graph, to look at or to edit.
 
-use super::args::{CandidateArgs, boundary_for};
+use super::args::{CandidateArgs, options_for};
 use super::print::{TextTerminal, plural};
 use super::{args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json};
 use crate::{
@@ -37,8 +37,9 @@ impl CandidatesArgs {
         require(is_graphml, "output", self.output.display(), "expected an ending .graphml")?;
         StagedFiles::check(&self.output, [], force)?;
         let path = &self.input.input;
-        let mut options = InferOptions { boundary: boundary_for(&self.boundary, path), ..InferOptions::default() };
+        let mut options = InferOptions { boundary: self.boundary, ..InferOptions::default() };
         self.candidates.put(&mut options);
+        let options = options_for(options, path);
         let input = self.input.reading.read(path, command_line("again.graphml"), terminal)?;
         if !input.is_fragments {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");

@@ -476,8 +476,8 @@ impl<'a> SeparateRun<'a> {
             let Failure { willis, input, options, error, .. } = Failure::read(folder)?;
             (willis, input, json!(options), Value::Null, Err(error))
         } else {
-            let may_be_run = !folder.is_dir() || is_there(&folder.join(RECORD));
-            require_in(folder, may_be_run, "a folder without run.json", RUN)?;
+            let found = if folder.is_dir() { "a folder without run.json" } else { "a file" };
+            require_in(folder, !folder.exists() || is_there(&folder.join(RECORD)), found, RUN)?;
             let record: Value = read_json(&folder.join(RECORD), RUN)?;
             let text = |value: &Value| value.as_str().map(str::to_owned);
             let (path, sha256) = (text(&record["input"]["path"]).unwrap_or_default(), text(&record["input"]["sha256"]));

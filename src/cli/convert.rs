@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::args::{boundary_for, unfed, viscosity};
 use super::print::{TextTerminal, plural};
 use super::{
-    args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json,
+    args::pulse::PulseArgs, args::reading::InputArgs, args::reading::ReadingArgs, checkpoint::Follower,
+    command_line::command_line, shell::print_json,
 };
 use crate::internals::formats::convert::Target;
 use crate::internals::formats::{Format, FormatTrait, unread_columns};
@@ -54,7 +55,7 @@ struct ModelArgs {
 impl ModelArgs {
     /// The options of the simulation; none where none is given.
     fn options(&self, input: &Path) -> Result<Option<FlowOptions>> {
-        let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
+        let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.of_a_model()?);
         if pulse.is_none() && self.viscosity.is_none() && boundary == BoundaryOptions::default() {
             return Ok(None);
         }
@@ -72,8 +73,10 @@ impl ModelArgs {
   willis skeleton vessels.nii.gz -o lines.vtp
   willis skeleton probabilities.nii.gz --level 0.5 -o lines.swc")]
 pub struct SkeletonArgs {
+    #[arg(value_name = "INPUT", help = format!("A mask ({})", Format::short(FormatTrait::Mask)), value_hint = clap::ValueHint::FilePath)]
+    input: PathBuf,
     #[command(flatten)]
-    input: InputArgs,
+    reading: ReadingArgs,
     /// The file to write
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Input")]
     output: PathBuf,
@@ -87,7 +90,8 @@ pub struct SkeletonArgs {
 
 impl SkeletonArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        let Self { input, output, to, json } = self;
+        let Self { input, reading, output, to, json } = self;
+        let input = InputArgs { input, reading };
         ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.run("skeleton", terminal, force)
     }
 }

@@ -3,7 +3,7 @@
 use std::{path::Path, path::PathBuf, sync::Arc, time::Instant};
 
 use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
-use super::args::{ArteryArgs, CandidateArgs, boundary_for, file_of, probability, source_for, viscosity, whole, words};
+use super::args::{ArteryArgs, CandidateArgs, options_for, probability, viscosity, whole, words};
 use super::checkpoint::{Follower, Interval, parse_interval};
 use super::cohort::{Cohort, FailedInput, Failure, Work};
 use super::command_line::{LinePart, command_line, line_of, parsed, with_flags, with_options};
@@ -232,11 +232,7 @@ impl Inferences {
 
     /// The options for an input, each file that is named for all inputs being that of this one.
     fn for_input(&self, input: &Path) -> InferOptions {
-        let mut options = self.options.clone();
-        options.boundary = boundary_for(&options.boundary, input);
-        options.arteries = options.arteries.as_ref().map(|source| source_for(source, input));
-        options.decisions = options.decisions.as_ref().map(|name| file_of(name, input));
-        options
+        options_for(self.options.clone(), input)
     }
 
     /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.

@@ -6,8 +6,9 @@ use serde_json::{Value, json};
 
 use super::subjects::{Inputs, Subject, expand};
 use super::{
-    args::CandidateArgs, args::reading::ReadingArgs, args::reading::inputs_of_a_cohort, checkpoint::Follower, cohort::Cohort,
-    cohort::Work, command_line::command_line, command_line::parsed, print::TextTerminal, print::plural, shell::print_json,
+    args::CandidateArgs, args::options_for, args::reading::ReadingArgs, args::reading::inputs_of_a_cohort, checkpoint::Follower,
+    cohort::Cohort, cohort::Work, command_line::command_line, command_line::parsed, print::TextTerminal, print::plural,
+    shell::print_json,
 };
 use crate::internals::output::{StagedFolder, write_record};
 use crate::internals::report::cohort::{Figures, label_figures};
@@ -59,6 +60,8 @@ impl LabelArgs {
                 return cohort.run(&subjects, &self, terminal);
             }
         };
+        let accepted = format!("expected an ending {}", Format::written_endings());
+        require(Format::of_ending(&self.output).is_some(), "output", self.output.display(), accepted)?;
         let target = Target::new(&self.output, None)?;
         Labelled::check(&target, force)?;
         let found = self.label(&input, command_line("again.graphml"), terminal)?;
@@ -81,8 +84,9 @@ impl LabelArgs {
     }
 
     fn label(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Labelled> {
+        let options = options_for(self.options(), input);
         let input = self.reading.read(input, command, terminal)?;
-        let found = label(input, &self.options(), &mut Follower::new(terminal))?;
+        let found = label(input, &options, &mut Follower::new(terminal))?;
         terminal.notes(&found.notes());
         let (vessels, marks) = (plural(found.network.vessel_count(), "vessel"), plural(found.landmarks.len(), "landmark"));
         let doubtful = found.doubtful();
@@ -104,7 +108,7 @@ impl Work for LabelArgs {
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
-        self.reading.loops(input).into_iter().chain(self.options().files()).collect()
+        self.reading.loops(input).into_iter().chain(options_for(self.options(), input).files()).collect()
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {

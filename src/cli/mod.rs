@@ -44,7 +44,7 @@ pub mod internals {
 
 /// Find the plausible topology of vascular centerlines.
 ///
-/// Broken or over-connected centerlines go in; a likelihood for every possible connection and the pruned plausible
+/// Broken or over-connected centerlines go in; a probability and a likelihood of every possible connection and the plausible
 /// topology come out. Method: Moriconi et al. 2019, Towards Quantifying Neurovascular Resilience.
 #[derive(Debug, Parser)]
 #[command(version, propagate_version = true, max_term_width = 110, arg_required_else_help = true)]

@@ -26,9 +26,8 @@ pub struct BoundaryOptions {
     /// Where blood enters, at a pressure [default: 100 mmHg]; found at free ends when none is given
     #[cfg_attr(feature = "cli", arg(long, value_name = "NODE[=PRESSURE]", allow_hyphen_values = true))]
     pub inlet: Vec<String>,
-    /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous
-    /// pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
-    // Of a pulse also `NODE=rcr:R1,C,R2[@PRESSURE]`.
+    /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) or, for a pulse, a
+    /// Windkessel (rcr:R1,C,R2) to a venous pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
     #[cfg_attr(feature = "cli", arg(long, value_name = OUTLET, allow_hyphen_values = true))]
     pub outlet: Vec<String>,
     /// A fixed flow into the network (negative: out of it), in mL/min

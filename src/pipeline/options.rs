@@ -131,7 +131,8 @@ impl RunOptions {
         // What changes no figure.
         flat.remove("max_input");
         flat.remove("image_places");
-        for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks"), ("decisions", "decisions")] {
+        let own = ["landmarks", "decisions", "mask", "image", "probability"].map(|name| (name, name));
+        for (own, name) in [("loops", "loops"), ("conditions", "bc")].into_iter().chain(own) {
             let is_given = flat.remove(own).is_some_and(|path| !path.is_null());
             flat.insert(name.to_owned(), if is_given { "a file".into() } else { Value::Null });
         }

@@ -67,6 +67,8 @@ impl Waves {
         }
         let sources: Vec<_> = by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
         require(!sources.is_empty(), "pulse", "has no inlet", "expected one that a waveform can drive")?;
+        let has_mean = options.mean.is_none() || sources.iter().any(|(_, source)| source.table().is_some());
+        require(has_mean, "pulse_mean", "of a shape", "goes with a table; the mean of a shape is the steady flow")?;
         let period = period(&sources, options)?;
         let mut all = Vec::new();
         for (_, source) in &sources {

@@ -254,8 +254,11 @@ fn links_lead_somewhere() {
         let file = page.path.file_name().and_then(|name| name.to_str()).expect("a name");
         assert!(summary.iter().any(|link| link == file), "{} is not in the summary", page.name);
     }
-    let others = ["benches/README.md", "data/README.md", "experiments/README.md", "fuzz/README.md", "CHANGELOG.md"];
-    let others = others.iter().map(|name| Page::read(root().join(name)));
+    let others = ["benches", "data", "experiments", "fuzz", "workflow"].map(|folder| format!("{folder}/README.md"));
+    let others = others
+        .into_iter()
+        .chain(["CHANGELOG.md".to_owned(), "CONTRIBUTING.md".to_owned()])
+        .map(|name| Page::read(root().join(name)));
     for page in book.into_iter().chain([readme()]).chain(others) {
         for link in page.links().iter().filter(|link| !link.contains("://")) {
             let (file, anchor) = link.split_once('#').unwrap_or((link, ""));

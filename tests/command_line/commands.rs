@@ -328,7 +328,12 @@ fn a_run_until_stable_says_that_it_is() {
 fn an_argument_without_a_name_has_that_of_its_place() {
     let convert = ["convert", "a.swc", "b.swc"];
     refused(&[("a.swc", LINE), ("b.swc", b"x")], &convert, &["b.swc: exists already; choose another OUT or give --force"]);
-    refused(&[("a.swc", LINE)], &["convert", "a.swc", "b.xyz"], &["willis: OUT b.xyz: expected an ending"]);
+    refused(&[("a.swc", LINE)], &["convert", "a.swc", "b.xyz"], &["willis: OUT b.xyz: expected an ending", "or --to FORMAT"]);
+    // What has no --to speaks of none.
+    let here = folder();
+    fs::write(here.path().join("a.swc"), LINE).expect("written");
+    let said = stderr(&willis(here.path(), &["label", "a.swc", "-o", "b.xyz"]));
+    assert!(said.starts_with("willis: --output b.xyz: expected an ending .swc") && said.ends_with(".am or .yaml\n"), "{said}");
 }
 
 /// A perturbation of less than 0.05 % is no `+0.0 %`.

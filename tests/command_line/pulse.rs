@@ -152,7 +152,7 @@ fn what_is_no_pulse_is_refused_in_one_line() {
     for (text, words) in waves {
         refused(&wave(text), &simulate(&of_wave), words);
     }
-    let options: [(&[&'static str], &[&str]); 13] = [
+    let options: [(&[&'static str], &[&str]); 14] = [
         (&["--pulse", "wave.csv", "--period", "2s"], &["wave.csv: times that end", "expected one period"]),
         (&["--pulse", "wave.csv", "--period", "0.5s"], &["longer than the period"]),
         (&["--pulse", "none.csv"], &["none.csv"]),
@@ -168,10 +168,16 @@ fn what_is_no_pulse_is_refused_in_one_line() {
         (&["--pulse", "--harmonics", "0"], &["--harmonics 0: expected a number from 1 to 1000"]),
         (&["--pulse", "--windkessel", "rc=0s"], &["--windkessel \"rc=0s\": expected none, or rc=TIME"]),
         (&["--pulse", "wave.csv", "--pulse-mean", "240mL/min"], &["--pulse-mean", "expected a pressure"]),
+        (&["--pulse", "--pulse-mean", "240mL/min"], &["--pulse-mean of a shape: goes with a table"]),
         (&["--wall", "rigid"], &["--wall without a pulse: goes with --pulse"]),
     ];
     for (more, words) in options {
         refused(&files(), &simulate(more), words);
+    }
+    // A model for another solver has no place for these.
+    for (name, value) in [("--times", "50"), ("--friction", "parabolic"), ("--wall-viscosity", "0.1s")] {
+        let convert = ["convert", "a.csv", "m.json", "--to", "svzerod", "--pulse", name, value];
+        refused(&files(), &convert, &[name, "for another solver: goes with simulate"]);
     }
     refused(&[files()[0], ("nodes.csv", LUMPED)], &simulate(&["--pulse"]), &["node c: compliance_mL_per_mmHg 0", "resistance"]);
 }

@@ -157,6 +157,7 @@ fn runs_of_other_options_are_refused_by_what_differs() {
     refused(here, &["merge", "a", "a", "-o", "out"], &["a: is of p1/t.swc, as a is"]);
     run("two", "p2/t.swc", &["-n", "64", "--epsilon", "0.2,0.5"]);
     refused(here, &["merge", "a", "two", "-o", "out"], &["two: a folder without run.json"]);
+    refused(here, &["merge", "a", "p1/t.swc", "-o", "out"], &["p1/t.swc: a file; expected the folder of a run"]);
     done(here, &["merge", "a", "two/epsilon-0.5", "-o", "one", "-q"]);
     refused(here, &["merge", "a", "two/epsilon-0.2", "-o", "out"], &["has epsilon 0.2"]);
     done(here, &["simulate", &data("circle-of-willis/complete.graphml"), "-o", "flow", "-q"]);
@@ -208,6 +209,28 @@ fn runs_whose_arteries_were_named_do_not_go_with_others() {
     done(here, &["infer", "p1/t.swc", "-o", "a", "-n", "64", "-q"]);
     done(here, &["infer", "p2/t.swc", "-o", "b", "-n", "64", "-q", "--landmarks", "auto"]);
     refused(here, &["merge", "a", "b", "-o", "out"], &["b: has landmarks \"auto\"", "a has not given", "the same options"]);
+}
+
+/// Each subject has an image of its own, by a pattern: its run is that with this image alone, and runs made apart are the same cohort.
+#[test]
+fn images_go_with_their_subjects() {
+    let here = folder();
+    let here = here.path();
+    let more = ["-n", "64", "--landmarks", "auto", "-q"];
+    for name in ["a", "b"] {
+        let (mask, image) = (format!("{name}.nii.gz"), format!("{name}.tof.nii"));
+        let seed = if name == "a" { "1" } else { "2" };
+        let drawn = ["phantom", "cerebral", "--break", "--seed", seed, "--spacing", "1mm", "-o", &mask, "--image", &image, "-q"];
+        done(here, &drawn);
+        done(here, &[&["infer", &mask, "--image", &image, "-o", &format!("runs/{name}")], &more[..]].concat());
+    }
+    done(here, &[&["infer", "a.nii.gz", "b.nii.gz", "--image", "{}.tof.nii", "-o", "whole"], &more[..]].concat());
+    done(here, &["merge", "runs/*", "-o", "apart", "-q"]);
+    assert_eq!(rows(&here.join("apart")), rows(&here.join("whole")));
+    for name in ["a", "b"] {
+        let edges = |run: &str| fs::read(here.join(run).join(name).join("edges.csv")).expect("a table");
+        assert_eq!(edges("whole"), edges("runs"));
+    }
 }
 
 /// A tracing without iCafe's Image_info.txt beside it is a failure of the input, which goes with the runs of those that have one.

@@ -30,6 +30,16 @@ pub fn unfed() -> impl TypedValueParser<Value = Unfed> {
     words(&[("drop", "They are left out"), ("keep", "They stay, without flow")])
 }
 
+/// Options with the files that are named for every input being those of this one.
+pub fn options_for(mut options: InferOptions, input: &Path) -> InferOptions {
+    options.boundary = boundary_for(&options.boundary, input);
+    options.arteries = options.arteries.map(|source| source_for(&source, input));
+    for name in [&mut options.decisions, &mut options.mask, &mut options.image, &mut options.probability].into_iter().flatten() {
+        *name = file_of(name, input);
+    }
+    options
+}
+
 /// Conditions with the file of them that goes with an input.
 pub fn boundary_for(options: &BoundaryOptions, input: &Path) -> BoundaryOptions {
     BoundaryOptions { conditions: options.conditions.as_ref().map(|name| file_of(name, input)), ..options.clone() }
@@ -110,8 +120,8 @@ pub fn viscosity(text: &str) -> Result<f64> {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Circle of Willis")]
 pub struct ArteryArgs {
-    /// Where arteries enter and leave, in the place of labels: auto, to name them by their geometry, or a CSV file of label,x_mm,y_mm,z_mm, or x,y,z in the unit of INPUT;
-    /// in its name {} is INPUT without its ending and {dir} the folder of INPUT
+    /// Where arteries enter and leave, in the place of labels: auto, to name them by their geometry, a point list of 3D Slicer, or a CSV file of label,x_mm,y_mm,z_mm, or
+    /// x,y,z in the unit of INPUT; in its name {} is INPUT without its ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     landmarks: Option<PathBuf>,
     /// What the labels are [default: names; numbers where only one list has them]
@@ -148,7 +158,8 @@ pub struct CandidateArgs {
     /// (one of your own, from willis train --model contacts) [default: auto]
     #[arg(long, value_name = "auto|always|never|FILE")]
     cut: Option<Cut>,
-    /// The mask that the centerlines were made of; where a mask is the input, it is that one
+    /// The mask that the centerlines were made of, where they are the input; in its name, as in those of images, {} is INPUT without its
+    /// ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help = format!(

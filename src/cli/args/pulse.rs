@@ -9,6 +9,9 @@ use crate::{
 const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
                     pwv=8m/s, graph or rigid";
 
+/// What a model for another solver has no place for.
+const OF_SIMULATE: [&str; 3] = ["wall_viscosity", "friction", "times"];
+
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Pulse")]
 pub struct PulseArgs {
@@ -68,9 +71,22 @@ impl PulseArgs {
         Ok(Some(options))
     }
 
+    /// The options of the library for a model of another solver, which has friction of its own.
+    pub fn of_a_model(&self) -> Result<Option<PulseOptions>> {
+        let refused = self.given().into_iter().find(|(name, given)| *given && OF_SIMULATE.contains(name));
+        refused
+            .map_or_else(|| self.options(), |(name, _)| Err(Error::parameter(name, "for another solver", "goes with simulate")))
+    }
+
     /// Refuses an option of the pulse without the pulse.
     fn alone(&self) -> Result<Option<PulseOptions>> {
-        let given = [
+        let refused = |(name, _)| Err(Error::parameter(name, "without a pulse", "goes with `pulse`"));
+        self.given().into_iter().find(|(_, given)| *given).map_or(Ok(None), refused)
+    }
+
+    /// The options that go with a pulse, and whether each is given.
+    fn given(&self) -> [(&'static str, bool); 9] {
+        [
             ("period", self.period.is_some()),
             ("pulse_mean", self.pulse_mean.is_some()),
             ("harmonics", self.harmonics.is_some()),
@@ -80,9 +96,7 @@ impl PulseArgs {
             ("friction", self.friction.is_some()),
             ("density", self.density.is_some()),
             ("times", self.times.is_some()),
-        ];
-        let refused = |(name, _)| Err(Error::parameter(name, "without a pulse", "goes with `pulse`"));
-        given.into_iter().find(|(_, given)| *given).map_or(Ok(None), refused)
+        ]
     }
 }
 
