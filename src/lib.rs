@@ -1,9 +1,9 @@
-//! Finds the plausible topology of vascular centerlines by neurovascular resilience.
+//! Finds the plausible topology of vascular centerlines, with a probability for every connection.
 //!
 //! Image pipelines extract centerlines that are broken, or joined in too many places. This crate builds the over-connected
-//! graph of all connections that may exist, occludes its vessels at random, solves the blood flow of every sample,
-//! takes the spanning forest of highest resilience and adds up a likelihood for every vessel. Source: Moriconi et al. 2019,
-//! *Towards Quantifying Neurovascular Resilience* ("the paper").
+//! graph of all connections that may exist, and gives each one a probability by its geometry, which decides. Beside it stands the
+//! likelihood of Moriconi et al. 2019, *Towards Quantifying Neurovascular Resilience* ("the paper"): vessels are occluded at random, the
+//! blood flow of every sample is solved, and the spanning forests of highest resilience add up.
 //!
 //! ```
 //! # let folder = tempfile::tempdir()?;

@@ -1,4 +1,4 @@
-"""Find the plausible topology of vascular centerlines by neurovascular resilience.
+"""Find the plausible topology of vascular centerlines, with a probability for every connection.
 
 >>> import willis
 >>> run = willis.infer("data/broken-circle-of-willis.swc", progress=False)

@@ -220,7 +220,7 @@ fn images_go_with_their_subjects() {
     for name in ["a", "b"] {
         let (mask, image) = (format!("{name}.nii.gz"), format!("{name}.tof.nii"));
         let seed = if name == "a" { "1" } else { "2" };
-        let drawn = ["phantom", "cerebral", "--break", "--seed", seed, "--spacing", "1mm", "-o", &mask, "--image", &image, "-q"];
+        let drawn = ["phantom", "tree", "--break", "--seed", seed, "--spacing", "2mm", "-o", &mask, "--image", &image, "-q"];
         done(here, &drawn);
         done(here, &[&["infer", &mask, "--image", &image, "-o", &format!("runs/{name}")], &more[..]].concat());
     }

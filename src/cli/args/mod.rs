@@ -149,7 +149,8 @@ pub fn source_for(source: &ArterySource, input: &Path) -> ArterySource {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Candidates")]
 pub struct CandidateArgs {
-    /// How probable a candidate is before any flow: evidence (the shipped model of real arteries), WEIGHTS.toml (one of your own,
+    /// How probable a candidate is before any flow: evidence (the shipped model of real arteries for such an input; weights:tracing,
+    /// weights:tubes or weights:skeleton is one of them), WEIGHTS.toml (one of your own,
     /// from willis train), none (what the file states), uniform (1 everywhere), or A.npy or A.csv, numbers from 0 to 1 for pairs
     /// of nodes or for vessels of the graph [default: evidence on centerlines, none on a ready graph]
     #[arg(long, value_name = "evidence|none|uniform|FILE")]
@@ -158,8 +159,8 @@ pub struct CandidateArgs {
     /// (one of your own, from willis train --model contacts) [default: auto]
     #[arg(long, value_name = "auto|always|never|FILE")]
     cut: Option<Cut>,
-    /// The mask that the centerlines were made of, where they are the input; in its name, as in those of images, {} is INPUT without its
-    /// ending and {dir} the folder of INPUT
+    /// The mask that the centerlines were made of [default: INPUT where it is one]; in its name, as in those of images, {} is INPUT
+    /// without its ending and {dir} the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help = format!(

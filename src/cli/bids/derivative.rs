@@ -25,7 +25,7 @@ const README: &str = "\
 Made by `willis bids` of masks of vessels. Every participant (and session) has one run of `willis infer`.
 
 - `sub-*.html`: the report of each run; open it in a browser.
-- `sub-*/[ses-*/]anat/*_desc-willis_topology.*`: the plausible topology as GraphML, SWC and VTP, in mm, in the frame of the scanner (RAS).
+- `sub-*/[ses-*/]anat/*_desc-willis_topology.*`: the plausible topology as GraphML, VTP and, without cycles, SWC, in mm, in the frame of the scanner (RAS).
 - `runs/`: all files of each run, with `edges.csv`, the likelihood matrix and `run.json`, which says how it was made.
 - `group_willis.tsv`: a row for each run, made by the level `group`; `group_willis.json` says what the columns are.
 - `participants.tsv`, where the dataset of the masks has one: its rows of the participants with a run. `group_willis.tsv` has its columns too.
@@ -76,7 +76,7 @@ impl Derivative {
         let maker = json!({
             "Name": "willis",
             "Version": env!("CARGO_PKG_VERSION"),
-            "Description": "Candidate connections between the vessels of a mask, kept or cut by neurovascular resilience and evidence.",
+            "Description": "Candidate connections between the vessels of a mask, kept or cut by their probability.",
         });
         let mut record = json!({
             "Name": format!("Vessel topology{of} by willis"),
