@@ -5,7 +5,7 @@ use crate::vessels::{network, tube};
 use willis::internals::flow::boundary_conditions::FreeEnds;
 use willis::internals::flow::boundary_conditions::{Total, stated};
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
-use willis::internals::network::{Condition, Found, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::network::{Condition, ConditionOrigin, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;
 
 /// Stars side by side, one per slice: node by node the free ends with these radii (mm), then the center. A star of two is a
@@ -303,7 +303,7 @@ fn the_ends_that_hold_share_the_total() {
     let named = Boundary::resolve(&network, &[], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
     assert_eq!((&named.found_outlets[..], &named.named_outlets[..]), (&[1, 2, 4, 5][..], &[6][..]));
     // Who reads it from a file shares the total in the same way, and knows that it holds wherever it is.
-    assert_eq!(named.stated()[6].2, Found::Named);
+    assert_eq!(named.stated()[6].2, ConditionOrigin::Landmark);
     let file = named.stated_in(network.clone());
     assert_eq!(resolve(&file, &stated(&file)), named);
     let named = named.held(&network, |_| true);

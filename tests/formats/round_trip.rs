@@ -13,7 +13,7 @@ use willis::internals::formats::{
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
 use willis::internals::network::{
-    Condition, Evidence, Found, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles,
+    Condition, ConditionOrigin, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles,
 };
 
 fn mm() -> Scale {
@@ -32,7 +32,7 @@ fn network() -> Network {
             label: if n == 2 { "L, \"M1\"".into() } else { String::new() },
             role: [Some(Role::Inlet), Some(Role::Inner), Some(Role::Inner), Some(Role::Outlet)][n],
             condition: [Some(Condition::Pressure(pascals(93.1))), None, None, Some(Condition::Pressure(0.0))][n],
-            found: [Found::Stated, Found::Stated, Found::Named, Found::AtEnd][n],
+            found: [ConditionOrigin::Stated, ConditionOrigin::Stated, ConditionOrigin::Landmark, ConditionOrigin::Found][n],
             at_border: false,
             is_source: false,
             root_score: None,

@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, ensure, require};
 use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, Found, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck};
+use crate::network::{
+    Condition, ConditionOrigin, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck,
+};
 use crate::support::ties::{compare, near_zero, steady};
 use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
 
@@ -102,7 +104,8 @@ impl Boundary {
         // They stand beside those that are stated, such as the outlets that landmarks named.
         boundary.found_inlets = boundary.found_before(network, Role::Inlet);
         let before = boundary.found_before(network, Role::Outlet).into_iter();
-        (boundary.named_outlets, boundary.found_outlets) = before.partition(|node| network.node(*node).found == Found::Named);
+        (boundary.named_outlets, boundary.found_outlets) =
+            before.partition(|node| network.node(*node).found == ConditionOrigin::Landmark);
         let sinks = sinks || boundary.named_outlets.len() + boundary.found_outlets.len() > 0;
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
@@ -242,10 +245,10 @@ impl Boundary {
     }
 
     /// Per node its role, its condition, and whether that was found, as a file states them.
-    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, Found)> {
-        let found = |node| if self.is_found(node) { Found::AtEnd } else { Found::Named };
+    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, ConditionOrigin)> {
+        let found = |node| if self.is_found(node) { ConditionOrigin::Found } else { ConditionOrigin::Landmark };
         let of_node = |(node, role): (usize, &Role)| {
-            (Some(*role), self.condition(node), if self.shares(node) { found(node) } else { Found::Stated })
+            (Some(*role), self.condition(node), if self.shares(node) { found(node) } else { ConditionOrigin::Stated })
         };
         self.roles.iter().enumerate().map(of_node).collect()
     }

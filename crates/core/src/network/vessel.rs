@@ -262,17 +262,17 @@ impl Windkessel {
 
 /// Whether the condition of a node is one that willis found or worked out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Found {
+pub enum ConditionOrigin {
     /// It is stated as it is.
     #[default]
     Stated,
     /// It was found, and holds only while the node is a free end.
-    AtEnd,
+    Found,
     /// A landmark names the outlet, so that it always holds; its resistance is a share of the total, as of those found.
-    Named,
+    Landmark,
 }
 
-impl Found {
+impl ConditionOrigin {
     /// The word in files.
     pub fn name(self) -> &'static str {
         // In the order of the variants.
@@ -307,8 +307,8 @@ pub struct Node {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub windkessel: Option<Box<Windkessel>>,
     /// Whether an earlier run found that condition.
-    #[serde(default, skip_serializing_if = "Found::is_stated")]
-    pub found: Found,
+    #[serde(default, skip_serializing_if = "ConditionOrigin::is_stated")]
+    pub found: ConditionOrigin,
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,

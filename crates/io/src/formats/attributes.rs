@@ -6,7 +6,7 @@ use crate::formats::tables::conditions::VENOUS;
 use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
 use crate::formats::{millimetres, number, plural, real};
 use willis_core::network::{
-    Condition, Evidence, Found, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
+    Condition, ConditionOrigin, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
 };
 use willis_core::network::{metres, path_places::length_of, units};
 use willis_core::support::distinct;
@@ -74,10 +74,10 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
 }
 
 /// Whether an earlier run found the condition of the node.
-fn found(item: &Item) -> Result<Found, Fault> {
+fn found(item: &Item) -> Result<ConditionOrigin, Fault> {
     match item.text("found") {
-        Some("landmark") => Ok(Found::Named),
-        _ => Ok(if item.boolean("found")? == Some(true) { Found::AtEnd } else { Found::Stated }),
+        Some("landmark") => Ok(ConditionOrigin::Landmark),
+        _ => Ok(if item.boolean("found")? == Some(true) { ConditionOrigin::Found } else { ConditionOrigin::Stated }),
     }
 }
 

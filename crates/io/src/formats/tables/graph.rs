@@ -14,7 +14,7 @@ use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, 
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{
-    Centerlines, Condition, Evidence, Found, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius,
+    Centerlines, Condition, ConditionOrigin, Evidence, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius,
     millimetres,
 };
 use willis_core::support::geometry::{Point, distance};
@@ -234,7 +234,7 @@ pub fn coordinates(position: Option<Point>) -> [f64; 3] {
 }
 
 /// What a node states, or is given: its role, its condition, and whether that was found.
-pub type StatedNode = (Option<Role>, Option<Condition>, Found);
+pub type StatedNode = (Option<Role>, Option<Condition>, ConditionOrigin);
 
 /// The columns of nodes.csv. `pressure` in Pa.
 pub fn node_columns(
@@ -278,7 +278,7 @@ pub fn condition_columns(stated: &[StatedNode]) -> Vec<Column> {
         stated_column("flow_mL_per_min", figure(flow)),
     ];
     let found = || stated.iter().map(|(.., found)| *found);
-    let found = found().any(|found| !found.is_stated()).then(|| Column::text("found", found().map(Found::name)));
+    let found = found().any(|found| !found.is_stated()).then(|| Column::text("found", found().map(ConditionOrigin::name)));
     columns.into_iter().chain([found]).flatten().collect()
 }
 
