@@ -5,7 +5,7 @@ use crate::vessels::{network, tube};
 use willis::internals::flow::boundary_conditions::FreeEnds;
 use willis::internals::flow::boundary_conditions::{Total, stated};
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
-use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::network::{Condition, ConditionFrom, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;
 
 /// Stars side by side, one per slice: node by node the free ends with these radii (mm), then the center. A star of two is a
@@ -304,8 +304,8 @@ fn the_ends_that_hold_share_the_total() {
     assert_eq!((&named.found_outlets[..], &named.named_outlets[..]), (&[1, 2, 4, 5][..], &[6][..]));
     let named = named.held(&network, |_| true);
     assert!(named.conditions == held.conditions && !named.is_found(6));
-    // A file has it as found, so that who reads it shares the total in the same way.
-    assert!(named.stated()[6].2);
+    // A file marks it, so that who reads it shares the total in the same way.
+    assert_eq!(named.stated()[6].2, ConditionFrom::Landmark);
     // One that a person states there stays as it is, and so do the shares of the others.
     network.node_mut(6).condition = boundary.condition(6);
     let file = Boundary { found_outlets: vec![1, 2, 4, 5], ..boundary.clone() }.held(&network, |_| true);

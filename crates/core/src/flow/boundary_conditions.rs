@@ -5,7 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, ensure, require};
 use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck};
+use crate::network::{
+    Condition, ConditionFrom, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck,
+};
 use crate::support::ties::{compare, near_zero, steady};
 use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
 
@@ -73,7 +75,7 @@ pub struct Provisional {
 
 impl Boundary {
     /// The conditions given, and where they lack a source or a sink, those found at the free ends: what a file says that an earlier run
-    /// found ([`Node::found`](crate::network::Node::found)), else by [`FreeEnds`].
+    /// found ([`Node::condition_from`](crate::network::Node::condition_from)), else by [`FreeEnds`].
     ///
     /// # Errors
     ///
@@ -100,16 +102,18 @@ impl Boundary {
         let inlets = given.iter().any(|g| g.role == Role::Inlet);
         let sinks = given.iter().any(|g| g.role == Role::Outlet);
         // They stand beside those that are stated, such as the outlets that landmarks named.
-        boundary.found_inlets = boundary.found_before(network, Role::Inlet);
-        boundary.found_outlets = boundary.found_before(network, Role::Outlet);
+        boundary.found_inlets = boundary.found_before(network, Role::Inlet, ConditionFrom::FreeEnd);
+        boundary.found_outlets = boundary.found_before(network, Role::Outlet, ConditionFrom::FreeEnd);
+        boundary.named_outlets = boundary.found_before(network, Role::Outlet, ConditionFrom::Landmark);
+        let sinks = sinks || boundary.count(Role::Outlet) > 0;
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
-            let inlets = ends.inlets(known, !sinks && boundary.found_outlets.is_empty());
+            let inlets = ends.inlets(known, !sinks);
             ensure(!inlets.is_empty(), || none("inlet", &ends, sinks))?;
             boundary.find(&inlets, Role::Inlet, |_| Condition::INLET);
             boundary.found_inlets = inlets;
         }
-        if !sinks && boundary.found_outlets.is_empty() {
+        if !sinks {
             let found: Vec<usize> = ends.nodes.iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
             ensure(!found.is_empty(), || none("outlet", &ends, true))?;
             let cube = |node: usize| ends.radius[node].powi(3);
@@ -138,10 +142,10 @@ impl Boundary {
         Ok(boundary)
     }
 
-    /// Takes over the conditions of a role that the file says were found, and returns their nodes.
-    fn found_before(&mut self, network: &Network, role: Role) -> Vec<usize> {
+    /// Takes over the conditions of a role that the file says an earlier run worked out so, and returns their nodes.
+    fn found_before(&mut self, network: &Network, role: Role, from: ConditionFrom) -> Vec<usize> {
         let mut nodes = Vec::new();
-        for (node, of) in network.nodes().enumerate().filter(|(_, of)| of.found && of.role == Some(role)) {
+        for (node, of) in network.nodes().enumerate().filter(|(_, of)| of.condition_from == from && of.role == Some(role)) {
             if let Some(condition) = of.condition.filter(|_| self.roles[node] == Role::Inner) {
                 self.roles[node] = role;
                 self.conditions.push((node, condition));
@@ -203,7 +207,7 @@ impl Boundary {
                 return false;
             }
             if let Condition::Resistance { resistance, .. } = condition
-                && self.shares(*node)
+                && self.from(*node) != ConditionFrom::Statement
                 && fed[*node]
             {
                 *resistance *= scale;
@@ -231,18 +235,17 @@ impl Boundary {
         for (row, stated) in self.stated().into_iter().enumerate() {
             let node = network.node(row);
             // Nodes that state it are shared with the network that they are of.
-            if (node.role, node.condition, node.found) != stated {
+            if (node.role, node.condition, node.condition_from) != stated {
                 let node = network.node_mut(row);
-                (node.role, node.condition, node.found) = stated;
+                (node.role, node.condition, node.condition_from) = stated;
             }
         }
         network
     }
 
-    /// Per node its role, its condition, and whether that was found, as a file states them: that of an outlet that a landmark names was, too, so that
-    /// the file shares the total as this does.
-    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, bool)> {
-        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.shares(node));
+    /// Per node its role, its condition, and where that is from, as a file states them.
+    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, ConditionFrom)> {
+        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.from(node));
         self.roles.iter().enumerate().map(of_node).collect()
     }
 
@@ -251,9 +254,12 @@ impl Boundary {
         self.found_inlets.binary_search(&node).is_ok() || self.found_outlets.binary_search(&node).is_ok()
     }
 
-    /// Whether willis worked out the condition of a node.
-    fn shares(&self, node: usize) -> bool {
-        self.is_found(node) || self.named_outlets.binary_search(&node).is_ok()
+    fn from(&self, node: usize) -> ConditionFrom {
+        match self.named_outlets.binary_search(&node) {
+            _ if self.is_found(node) => ConditionFrom::FreeEnd,
+            Ok(_) => ConditionFrom::Landmark,
+            Err(_) => ConditionFrom::Statement,
+        }
     }
 
     /// How many nodes have a role.
@@ -282,7 +288,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
         _ => Role::Outlet,
     };
     let given = network.nodes().enumerate().filter_map(|(node, n)| {
-        let condition = n.condition.filter(|_| !n.found)?;
+        let condition = n.condition.filter(|_| n.condition_from == ConditionFrom::Statement)?;
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()

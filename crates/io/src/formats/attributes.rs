@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
 use crate::formats::{millimetres, number, plural, real};
-use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
+use willis_core::network::{
+    Condition, ConditionFrom, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
+};
 use willis_core::network::{metres, path_places::length_of, units};
 use willis_core::support::distinct;
 
@@ -63,12 +65,19 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
             role,
             condition: condition(&item, role, has_roles)?,
             windkessel: windkessel(&item)?.stated(),
-            found: item.boolean("found")?.unwrap_or(false),
+            condition_from: condition_from(&item)?,
             root_score: item.share("alone")?,
             ..Node::default()
         });
     }
     Ok(nodes)
+}
+
+fn condition_from(item: &Item) -> Result<ConditionFrom, Fault> {
+    if item.text("found") == Some(ConditionFrom::Landmark.name()) {
+        return Ok(ConditionFrom::Landmark);
+    }
+    Ok(if item.boolean("found")? == Some(true) { ConditionFrom::FreeEnd } else { ConditionFrom::Statement })
 }
 
 /// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
