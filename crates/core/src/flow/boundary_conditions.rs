@@ -9,7 +9,7 @@ use crate::network::{
     Condition, ConditionFrom, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck,
 };
 use crate::support::ties::{compare, near_zero, steady};
-use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
+use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, marked, norm_squared, sub};
 
 /// A condition that a person or a file states.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -335,8 +335,10 @@ pub struct FreeEnds<'a> {
     pub nodes: Vec<usize>,
     /// By node the mean radius of the vessel over its last points at this end, m.
     pub radius: Vec<f64>,
-    /// By node.
+    /// By node, all that is one or probably joined being one part.
     part: Vec<usize>,
+    /// By node whether a candidate probably joins it.
+    is_joined: Vec<bool>,
     /// By node whether inlets are looked for there: not in a small part that nothing can join to the rest.
     belongs: Vec<bool>,
     /// By node, the sum of the probabilities of the candidates there.
@@ -355,14 +357,16 @@ impl<'a> FreeEnds<'a> {
         let degree = network.degrees(counts);
         let mut radius = vec![0.0; network.node_count()];
         let mut joined = vec![0.0; network.node_count()];
+        let probability = |v: &Vessel| if v.certain { 1.0 } else { v.evidence().map_or(v.prior, |e| e.probability) };
+        let joins = |v: &Vessel| !counts(v) && probability(v) >= PROBABLE;
+        let is_joined = marked(network.node_count(), network.vessels().filter(|(_, v)| joins(v)).flat_map(|(ends, _)| ends));
         for ([a, b], vessel) in network.vessels() {
             if counts(vessel) {
                 radius[a] = vessel.end_radius(false);
                 radius[b] = vessel.end_radius(true);
             } else {
-                let probability = if vessel.certain { 1.0 } else { vessel.evidence().map_or(vessel.prior, |e| e.probability) };
-                joined[a] += probability;
-                joined[b] += probability;
+                joined[a] += probability(vessel);
+                joined[b] += probability(vessel);
             }
         }
         // All that can be joined being one part: by part the length, and the length times the width, of its observed vessels; m, m².
@@ -390,7 +394,8 @@ impl<'a> FreeEnds<'a> {
             nodes,
             belongs,
             radius,
-            part: fragments(network, |_, v| counts(v)).of_node,
+            part: fragments(network, |_, v| counts(v) || joins(v)).of_node,
+            is_joined,
             joined,
             network,
         }
@@ -415,7 +420,8 @@ impl<'a> FreeEnds<'a> {
         }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
-        let mut free = counted(self.part.len(), self.nodes.iter().map(|node| self.part[*node]));
+        let spared = self.nodes.iter().filter(|node| !self.is_joined[**node]);
+        let mut free = counted(self.part.len(), spared.map(|node| self.part[*node]));
         let mut inlets = Vec::new();
         for node in &ranked {
             let left = &mut free[self.part[*node]];
