@@ -304,8 +304,9 @@ pub fn rows_of_participants(subjects: &[Subject], path: &Path) -> Result<Vec<(us
     let known: Vec<String> = rows.iter().map(|(participant, _)| plain(participant)).collect();
     let of = |subject: &Subject| {
         let name = plain(&subject.name);
-        let goes_on = |known: &String| name.strip_prefix(&**known).is_some_and(|rest| rest.starts_with('_'));
-        let found = known.iter().position(|known| *known == name).or_else(|| known.iter().position(goes_on));
+        let is_of = |known: &String| name.strip_prefix(&**known).is_some_and(|rest| rest.is_empty() || rest.starts_with('_'));
+        // Of `p` and `p_1` the subject `p_1_a` is of the second.
+        let found = (0..known.len()).filter(|row| is_of(&known[*row])).max_by_key(|row| known[*row].len());
         let missing = || {
             let accepted = "expected a row for every subject, named in participant_id, subject or subject_id";
             Fault::file(format!("no row of subject \"{}\"", subject.name), accepted).in_file(path)

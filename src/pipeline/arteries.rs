@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{ArterySource, PhenotypeOptions, SourceFile};
 use crate::{FoundOutlets, LabelScheme, Network, Result, SamplingOptions, Scale};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
-use willis_core::network::{Condition, ConditionOrigin, Role};
+use willis_core::network::{Condition, ConditionFrom, Role};
 use willis_core::{error::Fault, flow::Boundary, flow::boundary_conditions::stated, support::marked};
 use willis_io::{formats::LandmarkFormat, formats::read_landmarks, output::names::LANDMARKS, output::write_file};
 use willis_models::circle_of_willis::{
@@ -166,8 +166,9 @@ impl FoundArteries {
     pub fn state_inlets(&self, network: &mut Network) {
         for node in self.circle.inlets() {
             let node = network.node_mut(node);
-            if node.condition.is_none() || !node.found.is_stated() {
-                (node.role, node.condition, node.found) = (Some(Role::Inlet), Some(Condition::INLET), ConditionOrigin::Stated);
+            if node.condition.is_none() || node.condition_from == ConditionFrom::FreeEnd {
+                (node.role, node.condition) = (Some(Role::Inlet), Some(Condition::INLET));
+                node.condition_from = ConditionFrom::Statement;
             }
         }
     }

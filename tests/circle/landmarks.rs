@@ -502,3 +502,22 @@ fn landmarks_of_a_mirrored_file_say_which_side_is_which() {
         assert!((q - p.as_f64().expect("a probability")).abs() < 0.02, "{segment}: {p} and {q}");
     }
 }
+
+/// What landmarks name holds in the files of a run as it does in the run: its graph gives the same answer, and its folder says the same of supply.
+#[test]
+fn a_run_with_landmarks_is_read_again_as_it_was() {
+    let here = folder();
+    for words in [
+        &["phantom", "cerebral", "--break", "--seed", "5", "-o", "a.swc"][..],
+        &["infer", "a.swc", "--landmarks", "a.landmarks.csv", "-o", "run", "-n", "64"],
+        &["infer", "run/candidates.graphml", "-o", "again", "-n", "64"],
+        &["classify", "run", "-o", "classified"],
+    ] {
+        let output = willis(here.path(), words);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    let file = |name: &str| fs::read_to_string(here.path().join(name)).expect("a table");
+    assert!(file("run/nodes.csv").contains(",landmark\n"));
+    assert_eq!(file("run/edges.csv"), file("again/edges.csv"));
+    assert_eq!(file("run/supply.csv"), file("classified/supply.csv"));
+}

@@ -3,12 +3,12 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
-use crate::command::{folder, stderr, willis};
+use crate::command::{builder, folder, stderr, willis};
 use std::borrow::Cow;
 use willis::cli::internals::{BidsName, Filter, parse_filter};
 use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
@@ -237,6 +237,27 @@ fn participants_are_made_one_by_one_and_never_twice() {
     refused(&here, &["group"], &["samples 128, where", "has 64"]);
     let (status, said) = bids(&here, &["group", "--participant-label", "02"]);
     assert!(status == Some(0) && table(&here).len() == 2, "{said}");
+}
+
+/// Jobs of a cluster begin at once. One that is killed before it wrote what says whose the dataset is leaves none in the way.
+#[test]
+fn participants_may_begin_at_the_same_time() {
+    let here = dataset(&[A, B, TWO]);
+    for round in 0..4 {
+        let out = format!("{OUT}{round}");
+        let begin = |session: &&[&str]| {
+            let words = [&["bids", "study", &out, "participant", "-n", "64", "-q"], *session].concat();
+            builder(here.path()).args(words).stderr(Stdio::piped()).spawn().expect("the binary runs")
+        };
+        let jobs: [&[&str]; 3] = [&["--participant-label", "02"], &["--session-label", "a"], &["--session-label", "b"]];
+        let jobs: Vec<_> = jobs.iter().map(begin).collect();
+        for job in jobs {
+            let output = job.wait_with_output().expect("ended");
+            assert!(output.status.success(), "{}", stderr(&output));
+        }
+    }
+    fs::create_dir_all(here.path().join(OUT).join(".willis-dataset_description.json")).expect("made");
+    participant(&here, &[]);
 }
 
 #[test]

@@ -424,6 +424,7 @@ fn groups_that_cannot_be_compared_are_refused() {
         ("one.csv", rows.replace("sub-03,y", "sub-03,n/a")),
         ("short.csv", rows.replace("sub-03,y\n", "")),
         ("nameless.csv", rows.replace("participant_id", "who")),
+        ("twice.csv", format!("{rows}02,y\n")),
     ] {
         fs::write(here.path().join(name), text).expect("written");
     }
@@ -437,6 +438,7 @@ fn groups_that_cannot_be_compared_are_refused() {
         (&["group", "--participants", "short.csv"], "short.csv: no row of subject \"sub-03\""),
         (&["group", "--participants", "nameless.csv"], "nameless.csv:1: "),
         (&["group", "--participants", "absent.csv"], "absent.csv"),
+        (&["group", "--participants", "twice.csv"], "twice.csv:6: subject \"02\", as on line 4"),
         (
             &["group", "--participants", "participants.tsv", "--measures", "lenght_mm"],
             "--measures \"lenght_mm\": did you mean \"length_mm\"?",
@@ -478,6 +480,20 @@ fn columns_of_participants_replace_nothing_that_is_measured() {
         assert_eq!(cell(&out, 0, name), given, "{name}");
         assert_eq!(record["subjects"][0][name], given, "{name}");
     }
+}
+
+/// Of two participants of whose names a subject has the beginning, it is of the longer one.
+#[test]
+fn a_subject_is_of_the_participant_with_the_longest_name() {
+    let here = folder();
+    lines(here.path(), [20.0, 21.0].into_iter());
+    for (from, to) in [("sub-00.swc", "p_1.swc"), ("sub-01.swc", "p_1_left.swc")] {
+        fs::rename(here.path().join(from), here.path().join(to)).expect("renamed");
+    }
+    fs::write(here.path().join("p.csv"), "subject,age\np,1\np_1,2\n").expect("written");
+    done(here.path(), &["measure", "*.swc", "-o", "out", "--participants", "p.csv"]);
+    let ages = [0, 1].map(|row| cell(&here.path().join("out/subjects.csv"), row, "age"));
+    assert_eq!(ages, ["2", "2"]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::vessels::{network, tube};
 use willis::internals::flow::boundary_conditions::FreeEnds;
 use willis::internals::flow::boundary_conditions::{Total, stated};
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
-use willis::internals::network::{Condition, ConditionOrigin, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis::internals::network::{Condition, ConditionFrom, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;
 
 /// Stars side by side, one per slice: node by node the free ends with these radii (mm), then the center. A star of two is a
@@ -280,6 +280,19 @@ fn candidates_make_and_hide_no_free_end() {
     assert_eq!((joined.found_inlets, joined.found_outlets), (vec![1], vec![4]));
 }
 
+/// What enters at one end of a vessel that is broken leaves at the other. While nothing probably joins its pieces, each has an inlet.
+#[test]
+fn a_broken_vessel_keeps_an_outlet() {
+    let of = |prior: f64| {
+        let mut network = network(4, [([0, 1], tube(10.0, 1.0)), ([2, 3], tube(10.0, 1.0))]);
+        network.add_vessel([1, 2], Vessel { origin: Origin::Candidate, prior, ..tube(5.0, 1.0) });
+        network
+    };
+    assert_eq!(resolve(&of(0.1), &[]).found_inlets, [0, 2]);
+    let held = resolve(&of(0.9), &[]).held(&of(0.9), |_| true);
+    assert_eq!((held.found_inlets, held.found_outlets), (vec![0], vec![3]));
+}
+
 /// Terminals that are left share what all had: Murray's total is that of the topology. What a person stated stays as it is.
 #[test]
 fn the_ends_that_hold_share_the_total() {
@@ -308,6 +321,8 @@ fn the_ends_that_hold_share_the_total() {
     assert_eq!(resolve(&file, &stated(&file)), named);
     let named = named.held(&network, |_| true);
     assert!(named.conditions == held.conditions && !named.is_found(6));
+    // A file marks it, so that who reads it shares the total in the same way.
+    assert_eq!(named.stated()[6].2, ConditionFrom::Landmark);
     // One that a person states there stays as it is, and so do the shares of the others.
     network.node_mut(6).condition = boundary.condition(6);
     let file = Boundary { found_outlets: vec![1, 2, 4, 5], ..boundary.clone() }.held(&network, |_| true);

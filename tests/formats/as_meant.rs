@@ -215,6 +215,37 @@ nx.write_graphml(g, sys.argv[1] + "/nx.graphml")
     assert!(nodes.contains("carotid") && nodes.contains("17"), "{nodes}");
 }
 
+/// `to_directed` of NetworkX has each edge of a graph in both directions, which `to_undirected` makes one again. What is not the same in both is two vessels.
+#[test]
+fn graphml_of_a_directed_graph_has_each_vessel_once() {
+    let here = folder();
+    let script = r#"
+import sys, networkx as nx
+here = sys.argv[1]
+g = nx.Graph()
+for n in range(3):
+    g.add_node(n, x=10. * n, y=0., z=0.)
+    g.add_edge(n, (n + 1) % 3, radius_mm=1. + n, length_mm=12., points="".join(f"{10. * m} 0 0 1;" for m in (n, (n + 1) % 3)))
+both = g.to_directed()
+nx.write_graphml(both, here + "/both.graphml")
+nx.write_graphml(both.to_undirected(), here + "/once.graphml")
+both.add_edge(1, 0, radius_mm=.5, length_mm=15.)
+nx.write_graphml(both, here + "/double.graphml")
+"#;
+    let Some(_) = python(script, &[here.path()]) else { return };
+    let convert = |name: &str| {
+        let done = willis(here.path(), &["convert", name, "edges.csv", "--force"]);
+        assert!(done.status.success(), "{}", stderr(&done));
+        (fs::read_to_string(here.path().join("edges.csv")).expect("a table"), stderr(&done))
+    };
+    let (both, said) = convert("both.graphml");
+    assert_eq!(both, convert("once.graphml").0);
+    assert!(said.contains("undirected, 3 edges in both directions, as one vessel"), "{said}");
+    let (double, said) = convert("double.graphml");
+    assert_eq!(double.lines().count(), 1 + 4, "{double}");
+    assert!(said.contains("2 edges in both directions"), "{said}");
+}
+
 /// A class that went through real numbers is whole, a missing one is none, an infinite one an error where its type is a number.
 #[test]
 fn labels_that_went_through_real_numbers_are_names() {

@@ -13,7 +13,7 @@ use willis::internals::formats::{
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
 use willis::internals::network::{
-    Condition, ConditionOrigin, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles,
+    Condition, ConditionFrom, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles,
 };
 
 fn mm() -> Scale {
@@ -32,7 +32,8 @@ fn network() -> Network {
             label: if n == 2 { "L, \"M1\"".into() } else { String::new() },
             role: [Some(Role::Inlet), Some(Role::Inner), Some(Role::Inner), Some(Role::Outlet)][n],
             condition: [Some(Condition::Pressure(pascals(93.1))), None, None, Some(Condition::Pressure(0.0))][n],
-            found: [ConditionOrigin::Stated, ConditionOrigin::Stated, ConditionOrigin::Landmark, ConditionOrigin::Found][n],
+            condition_from: [ConditionFrom::Landmark, ConditionFrom::Statement, ConditionFrom::Statement, ConditionFrom::FreeEnd]
+                [n],
             at_border: false,
             is_source: false,
             root_score: None,
@@ -87,7 +88,10 @@ fn node_columns(network: &Network) -> Vec<Column> {
         Column { name: "label".into(), values: Values::Text(network.nodes().map(|n| n.label.clone()).collect()) },
         Column { name: "role".into(), values: Values::Text(network.nodes().map(|n| n.role.unwrap().name()).collect()) },
         Column { name: "pressure_mmHg".into(), values: Values::Real(pressure.collect()) },
-        Column { name: "found".into(), values: Values::Text(network.nodes().map(|n| n.found.name().to_owned()).collect()) },
+        Column {
+            name: "found".into(),
+            values: Values::Text(network.nodes().map(|n| n.condition_from.name().to_owned()).collect()),
+        },
     ]
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, anatomy, is_of_willis};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
 use crate::internals::output::names::{PAGE, TOPOLOGY};
-use crate::internals::output::{StagedFiles, relative, replace_file, write_error};
+use crate::internals::output::{StagedFiles, is_in_progress, relative, replace_file, write_error};
 use crate::internals::report::cohort::{sidecar, write_tsv};
 use crate::{Result, internals::pipeline::require_in};
 
@@ -48,7 +48,9 @@ impl Derivative {
     pub fn new(folder: &Path, source: &Path) -> Result<Self> {
         let same = fs::canonicalize(folder).ok().zip(fs::canonicalize(source).ok()).is_some_and(|(a, b)| a == b);
         require_in(folder, !same, "is BIDS_DIR", "expected another folder, such as BIDS_DIR/derivatives/willis")?;
-        let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
+        // Another process may be writing what says that it is of willis.
+        let is_vacant = |entries: fs::ReadDir| entries.flatten().all(|entry| is_in_progress(&entry.path()));
+        let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(is_vacant);
         let accepted = "expected a new folder, or a dataset of willis bids to go on with";
         require_in(folder, is_vacant || is_of_willis(folder), "holds something else", accepted)?;
         Ok(Self { folder: folder.to_owned() })
@@ -64,14 +66,12 @@ impl Derivative {
         self.runs().join(mask.run())
     }
 
-    /// Writes what describes the dataset, and makes the folder of runs.
+    /// Writes what describes the dataset, first what says that it is of willis, and makes the folder of runs.
     ///
     /// # Errors
     ///
     /// A file that cannot be written.
     pub fn describe(&self, dataset: &Dataset, source: &Path) -> Result<()> {
-        let runs = self.runs();
-        fs::create_dir_all(&runs).map_err(write_error(&runs))?;
         let of = dataset.name().map_or_else(String::new, |name| format!(" of {name}"));
         let maker = json!({
             "Name": "willis",
@@ -89,9 +89,11 @@ impl Derivative {
             record["SourceDatasets"] = json!([{ "URL": way }]);
             record["DatasetLinks"] = json!({ "source": way });
         }
+        self.put(DESCRIPTION, &text_of(&record))?;
         self.put("README.md", README.as_bytes())?;
         self.put(".bidsignore", IGNORED.as_bytes())?;
-        self.put(DESCRIPTION, &text_of(&record))
+        let runs = self.runs();
+        fs::create_dir_all(&runs).map_err(write_error(&runs))
     }
 
     /// Writes what is known of participants, and what the columns are, as the dataset of the masks says it.

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Result, ensure, require};
 use crate::network::units::cubic_metres_per_second;
 use crate::network::{
-    Condition, ConditionOrigin, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck,
+    Condition, ConditionFrom, Fragments, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, may_be_speck,
 };
 use crate::support::ties::{compare, near_zero, steady};
-use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
+use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, marked, norm_squared, sub};
 
 /// A condition that a person or a file states.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -75,7 +75,7 @@ pub struct Provisional {
 
 impl Boundary {
     /// The conditions given, and where they lack a source or a sink, those found at the free ends: what a file says that an earlier run
-    /// found ([`Node::found`](crate::network::Node::found)), else by [`FreeEnds`].
+    /// found ([`Node::condition_from`](crate::network::Node::condition_from)), else by [`FreeEnds`].
     ///
     /// # Errors
     ///
@@ -102,11 +102,10 @@ impl Boundary {
         let inlets = given.iter().any(|g| g.role == Role::Inlet);
         let sinks = given.iter().any(|g| g.role == Role::Outlet);
         // They stand beside those that are stated, such as the outlets that landmarks named.
-        boundary.found_inlets = boundary.found_before(network, Role::Inlet);
-        let before = boundary.found_before(network, Role::Outlet).into_iter();
-        (boundary.named_outlets, boundary.found_outlets) =
-            before.partition(|node| network.node(*node).found == ConditionOrigin::Landmark);
-        let sinks = sinks || boundary.named_outlets.len() + boundary.found_outlets.len() > 0;
+        boundary.found_inlets = boundary.found_before(network, Role::Inlet, ConditionFrom::FreeEnd);
+        boundary.found_outlets = boundary.found_before(network, Role::Outlet, ConditionFrom::FreeEnd);
+        boundary.named_outlets = boundary.found_before(network, Role::Outlet, ConditionFrom::Landmark);
+        let sinks = sinks || boundary.count(Role::Outlet) > 0;
         let ends = FreeEnds::of(network, &boundary.roles);
         if !inlets && boundary.found_inlets.is_empty() {
             let inlets = ends.inlets(known, !sinks);
@@ -143,10 +142,10 @@ impl Boundary {
         Ok(boundary)
     }
 
-    /// Takes over the conditions of a role that the file says were found, and returns their nodes.
-    fn found_before(&mut self, network: &Network, role: Role) -> Vec<usize> {
+    /// Takes over the conditions of a role that the file says an earlier run worked out so, and returns their nodes.
+    fn found_before(&mut self, network: &Network, role: Role, from: ConditionFrom) -> Vec<usize> {
         let mut nodes = Vec::new();
-        for (node, of) in network.nodes().enumerate().filter(|(_, of)| !of.found.is_stated() && of.role == Some(role)) {
+        for (node, of) in network.nodes().enumerate().filter(|(_, of)| of.condition_from == from && of.role == Some(role)) {
             if let Some(condition) = of.condition.filter(|_| self.roles[node] == Role::Inner) {
                 self.roles[node] = role;
                 self.conditions.push((node, condition));
@@ -208,7 +207,7 @@ impl Boundary {
                 return false;
             }
             if let Condition::Resistance { resistance, .. } = condition
-                && self.shares(*node)
+                && self.from(*node) != ConditionFrom::Statement
                 && fed[*node]
             {
                 *resistance *= scale;
@@ -236,20 +235,17 @@ impl Boundary {
         for (row, stated) in self.stated().into_iter().enumerate() {
             let node = network.node(row);
             // Nodes that state it are shared with the network that they are of.
-            if (node.role, node.condition, node.found) != stated {
+            if (node.role, node.condition, node.condition_from) != stated {
                 let node = network.node_mut(row);
-                (node.role, node.condition, node.found) = stated;
+                (node.role, node.condition, node.condition_from) = stated;
             }
         }
         network
     }
 
-    /// Per node its role, its condition, and whether that was found, as a file states them.
-    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, ConditionOrigin)> {
-        let found = |node| if self.is_found(node) { ConditionOrigin::Found } else { ConditionOrigin::Landmark };
-        let of_node = |(node, role): (usize, &Role)| {
-            (Some(*role), self.condition(node), if self.shares(node) { found(node) } else { ConditionOrigin::Stated })
-        };
+    /// Per node its role, its condition, and where that is from, as a file states them.
+    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, ConditionFrom)> {
+        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.from(node));
         self.roles.iter().enumerate().map(of_node).collect()
     }
 
@@ -258,9 +254,12 @@ impl Boundary {
         self.found_inlets.binary_search(&node).is_ok() || self.found_outlets.binary_search(&node).is_ok()
     }
 
-    /// Whether willis worked out the condition of a node.
-    fn shares(&self, node: usize) -> bool {
-        self.is_found(node) || self.named_outlets.binary_search(&node).is_ok()
+    fn from(&self, node: usize) -> ConditionFrom {
+        match self.named_outlets.binary_search(&node) {
+            _ if self.is_found(node) => ConditionFrom::FreeEnd,
+            Ok(_) => ConditionFrom::Landmark,
+            Err(_) => ConditionFrom::Statement,
+        }
     }
 
     /// How many nodes have a role.
@@ -289,7 +288,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
         _ => Role::Outlet,
     };
     let given = network.nodes().enumerate().filter_map(|(node, n)| {
-        let condition = n.condition.filter(|_| n.found.is_stated())?;
+        let condition = n.condition.filter(|_| n.condition_from == ConditionFrom::Statement)?;
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()
@@ -336,8 +335,10 @@ pub struct FreeEnds<'a> {
     pub nodes: Vec<usize>,
     /// By node the mean radius of the vessel over its last points at this end, m.
     pub radius: Vec<f64>,
-    /// By node.
+    /// By node, all that is one or probably joined being one part.
     part: Vec<usize>,
+    /// By node whether a candidate probably joins it.
+    is_joined: Vec<bool>,
     /// By node whether inlets are looked for there: not in a small part that nothing can join to the rest.
     belongs: Vec<bool>,
     /// By node, the sum of the probabilities of the candidates there.
@@ -356,14 +357,16 @@ impl<'a> FreeEnds<'a> {
         let degree = network.degrees(counts);
         let mut radius = vec![0.0; network.node_count()];
         let mut joined = vec![0.0; network.node_count()];
+        let probability = |v: &Vessel| if v.certain { 1.0 } else { v.evidence().map_or(v.prior, |e| e.probability) };
+        let joins = |v: &Vessel| !counts(v) && probability(v) >= PROBABLE;
+        let is_joined = marked(network.node_count(), network.vessels().filter(|(_, v)| joins(v)).flat_map(|(ends, _)| ends));
         for ([a, b], vessel) in network.vessels() {
             if counts(vessel) {
                 radius[a] = vessel.end_radius(false);
                 radius[b] = vessel.end_radius(true);
             } else {
-                let probability = if vessel.certain { 1.0 } else { vessel.evidence().map_or(vessel.prior, |e| e.probability) };
-                joined[a] += probability;
-                joined[b] += probability;
+                joined[a] += probability(vessel);
+                joined[b] += probability(vessel);
             }
         }
         // All that can be joined being one part: by part the length, and the length times the width, of its observed vessels; m, m².
@@ -391,7 +394,8 @@ impl<'a> FreeEnds<'a> {
             nodes,
             belongs,
             radius,
-            part: fragments(network, |_, v| counts(v)).of_node,
+            part: fragments(network, |_, v| counts(v) || joins(v)).of_node,
+            is_joined,
             joined,
             network,
         }
@@ -416,7 +420,8 @@ impl<'a> FreeEnds<'a> {
         }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
-        let mut free = counted(self.part.len(), self.nodes.iter().map(|node| self.part[*node]));
+        let spared = self.nodes.iter().filter(|node| !self.is_joined[**node]);
+        let mut free = counted(self.part.len(), spared.map(|node| self.part[*node]));
         let mut inlets = Vec::new();
         for node in &ranked {
             let left = &mut free[self.part[*node]];

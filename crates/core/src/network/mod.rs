@@ -17,7 +17,7 @@ pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_
 pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
 pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
 pub use vessel::{
-    Condition, ConditionOrigin, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall,
+    Condition, ConditionFrom, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall,
     Windkessel,
 };
 pub use walks::{Merged, merge};

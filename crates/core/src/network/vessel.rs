@@ -306,9 +306,9 @@ pub struct Node {
     /// The parts of a Windkessel that the input states beside a terminal resistance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub windkessel: Option<Box<Windkessel>>,
-    /// Whether an earlier run found that condition.
-    #[serde(default, skip_serializing_if = "ConditionOrigin::is_stated")]
-    pub found: ConditionOrigin,
+    /// Where that condition is from.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub condition_from: ConditionFrom,
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,
@@ -331,6 +331,30 @@ impl Node {
     pub fn windkessel(&self) -> Windkessel {
         self.windkessel.as_deref().copied().unwrap_or_default()
     }
+}
+
+/// Where the condition of a node is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum ConditionFrom {
+    /// Somebody states it.
+    #[default]
+    Statement,
+    /// A run found it at a free end, so that it holds only while this is one.
+    FreeEnd,
+    /// A run worked it out for an outlet that a landmark names: it holds as if it were stated, and is a share of the total of those found.
+    Landmark,
+}
+
+impl ConditionFrom {
+    /// The word in the attribute `found` of files.
+    pub fn name(self) -> &'static str {
+        // In the order of the variants.
+        ["false", "true", "landmark"][self as usize]
+    }
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// What a node is to the flow.

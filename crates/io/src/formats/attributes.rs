@@ -6,7 +6,7 @@ use crate::formats::tables::conditions::VENOUS;
 use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
 use crate::formats::{millimetres, number, plural, real};
 use willis_core::network::{
-    Condition, ConditionOrigin, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
+    Condition, ConditionFrom, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
 };
 use willis_core::network::{metres, path_places::length_of, units};
 use willis_core::support::distinct;
@@ -65,7 +65,7 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
             role,
             condition: condition(&item, role, has_roles)?,
             windkessel: windkessel(&item)?.stated(),
-            found: found(&item)?,
+            condition_from: condition_from(&item)?,
             root_score: item.share("alone")?,
             ..Node::default()
         });
@@ -73,12 +73,11 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
     Ok(nodes)
 }
 
-/// Whether an earlier run found the condition of the node.
-fn found(item: &Item) -> Result<ConditionOrigin, Fault> {
-    match item.text("found") {
-        Some("landmark") => Ok(ConditionOrigin::Landmark),
-        _ => Ok(if item.boolean("found")? == Some(true) { ConditionOrigin::Found } else { ConditionOrigin::Stated }),
+fn condition_from(item: &Item) -> Result<ConditionFrom, Fault> {
+    if item.text("found") == Some(ConditionFrom::Landmark.name()) {
+        return Ok(ConditionFrom::Landmark);
     }
+    Ok(if item.boolean("found")? == Some(true) { ConditionFrom::FreeEnd } else { ConditionFrom::Statement })
 }
 
 /// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.

@@ -5,7 +5,8 @@ use std::io::{self, BufRead, Write};
 
 use crate::formats::attributes::{Records, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
 use crate::formats::xml::{Events, Tag, XmlStep};
-use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, ensure, escape};
+use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, counted, ensure, escape};
+use willis_core::network::Vessel;
 
 /// The attribute of a graph that states the frame of its positions.
 pub(super) const FRAME: &str = "frame";
@@ -113,13 +114,37 @@ impl Graph {
         let mut network = Network::of(self.frame, nodes(&self.ids, &self.nodes, &options.scale)?, Vec::new());
         let ends = self.rows()?;
         (self.nodes, self.ids) = Default::default();
-        (self.ends, self.numbers, self.row_of) = Default::default();
+        (self.numbers, self.row_of) = Default::default();
         let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
         notes.extend(unit);
         if self.directed {
-            notes.push("the graph is directed: its edges are taken as undirected".to_owned());
+            let stays = self.directions_as_one(&network);
+            let of_two = stays.iter().filter(|stays| !**stays).count();
+            network = network.subgraph(|row| stays[row]).0;
+            let both = counted(of_two, "edge", "in both directions, as one vessel");
+            notes.push(format!(
+                "the graph is directed: its edges are taken as undirected{}",
+                both.map_or(String::new(), |both| format!(", {both}"))
+            ));
         }
         Ok((network, notes))
+    }
+
+    /// Per edge whether it stays: not one that says the same of a vessel as one before it from the other end, as `to_directed` of NetworkX makes them.
+    fn directions_as_one(&self, network: &Network) -> Vec<bool> {
+        let mut open: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+        let same = |a: &Vessel, b: &Vessel| a == b || *a == Vessel { path: b.path.iter().rev().copied().collect(), ..b.clone() };
+        let stays = |(row, [a, b]): (usize, &[usize; 2])| {
+            let others = open.entry([*b, *a]).or_default();
+            let other = others.iter().position(|other| a != b && same(network.vessel(*other), network.vessel(row)));
+            if let Some(other) = other {
+                others.remove(other);
+            } else {
+                open.entry([*a, *b]).or_default().push(row);
+            }
+            other.is_none()
+        };
+        self.ends.iter().enumerate().map(stays).collect()
     }
 
     /// The attribute `id` of the nodes, where igraph has put it in the place of their ids, which it numbers n0, n1, …

@@ -14,7 +14,7 @@ use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, 
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{
-    Centerlines, Condition, ConditionOrigin, Evidence, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius,
+    Centerlines, Condition, ConditionFrom, Evidence, Frame, Network, Node, PathPoint, Role, Scale, Wall, fragments, is_radius,
     millimetres,
 };
 use willis_core::support::geometry::{Point, distance};
@@ -234,7 +234,7 @@ pub fn coordinates(position: Option<Point>) -> [f64; 3] {
 }
 
 /// What a node states, or is given: its role, its condition, and whether that was found.
-pub type StatedNode = (Option<Role>, Option<Condition>, ConditionOrigin);
+pub type StatedNode = (Option<Role>, Option<Condition>, ConditionFrom);
 
 /// The columns of nodes.csv. `pressure` in Pa.
 pub fn node_columns(
@@ -277,8 +277,9 @@ pub fn condition_columns(stated: &[StatedNode]) -> Vec<Column> {
         stated_column(super::conditions::VENOUS, figure(venous)),
         stated_column("flow_mL_per_min", figure(flow)),
     ];
-    let found = || stated.iter().map(|(.., found)| *found);
-    let found = found().any(|found| !found.is_stated()).then(|| Column::text("found", found().map(ConditionOrigin::name)));
+    let from = || stated.iter().map(|(.., from)| *from);
+    let is_found = from().any(|from| from != ConditionFrom::Statement);
+    let found = is_found.then(|| Column::text("found", from().map(ConditionFrom::name)));
     columns.into_iter().chain([found]).flatten().collect()
 }
 
@@ -329,7 +330,7 @@ pub fn vessel_columns(network: &Network) -> Vec<Column> {
 
 /// The columns of nodes and of vessels with every attribute that the graph readers read, except the vessels' points.
 pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
-    graph_columns_with(network, &network.nodes().map(|n| (n.role, n.condition, n.found)).collect::<Vec<_>>())
+    graph_columns_with(network, &network.nodes().map(|n| (n.role, n.condition, n.condition_from)).collect::<Vec<_>>())
 }
 
 /// As [`graph_columns`], with other roles and conditions than those that the nodes state, and whether these were found.

@@ -1,5 +1,6 @@
 //! The tables of a study: its manifest, with a row for each subject, its input and the options that are its own, and the participants of BIDS.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::reader::{TableReader, is_missing};
@@ -68,7 +69,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     }
     let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
     let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !is_missing(text));
-    let (mut found, mut lines) = (Vec::new(), std::collections::HashMap::new());
+    let (mut found, mut lines) = (Vec::new(), HashMap::new());
     while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;
@@ -81,10 +82,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
             return Err(Fault::line(row.line, "no input", "expected the file of the subject in the column input"));
         };
         let subject = name.and_then(|column| value(row.text(column)));
-        if let Some(first) = subject.as_ref().and_then(|subject| lines.insert(subject.to_lowercase(), row.line)) {
-            let found = format!("subject \"{}\", as on line {first}", subject.unwrap_or_default());
-            return Err(Fault::line(row.line, found, "expected every subject once"));
-        }
+        subject.as_ref().map_or(Ok(()), |subject| once(&mut lines, subject, row.line))?;
         let own = options.iter().filter_map(|(at, option)| {
             let text = value(row.text(*at))?;
             Some(((*option).to_owned(), if FILES.contains(option) { placed(&text).display().to_string() } else { text }))
@@ -96,19 +94,29 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     ensure(!found.is_empty(), || Fault::file("no subject", "expected a row for every subject")).map(|()| Some(found))
 }
 
+/// Refuses a subject that stands on a line before.
+fn once(lines: &mut HashMap<String, usize>, subject: &str, line: usize) -> Result<(), Fault> {
+    let twice = |first| Fault::line(line, format!("subject \"{subject}\", as on line {first}"), "expected every subject once");
+    lines.insert(subject.to_lowercase(), line).map_or(Ok(()), |first| Err(twice(first)))
+}
+
 /// Reads `participants.tsv` of BIDS, or a table like it with a column `subject`: what is said of each participant.
 ///
 /// # Errors
 ///
-/// A table without the column `participant_id` or `subject`, or a row of another length.
+/// A table without the column `participant_id` or `subject`, a row of another length, a participant that comes twice.
 pub fn read_participants(bytes: &[u8]) -> Result<Vec<(String, Covariates)>, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let id = rows.column(&[NAMES[1], NAMES[0], NAMES[2]], "the participant of each row")?;
     let columns: Vec<(usize, String)> = rows.header.iter().cloned().enumerate().filter(|(at, _)| *at != id).collect();
-    let mut found = Vec::new();
+    let (mut found, mut lines) = (Vec::new(), HashMap::new());
     while let Some(row) = rows.row()? {
+        let name = row.text(id);
+        if !is_missing(name) {
+            once(&mut lines, name.strip_prefix("sub-").unwrap_or(name), row.line)?;
+        }
         let covariates = columns.iter().map(|(at, column)| (column.clone(), row.text(*at).to_owned()));
-        found.push((row.text(id).to_owned(), covariates.collect()));
+        found.push((name.to_owned(), covariates.collect()));
     }
     Ok(found)
 }
