@@ -316,13 +316,11 @@ fn the_ends_that_hold_share_the_total() {
     let named = Boundary::resolve(&network, &[], FoundOutlets::Murray(Total::Flow(flow))).unwrap();
     assert_eq!((&named.found_outlets[..], &named.named_outlets[..]), (&[1, 2, 4, 5][..], &[6][..]));
     // Who reads it from a file shares the total in the same way, and knows that it holds wherever it is.
-    assert_eq!(named.stated()[6].2, ConditionOrigin::Landmark);
+    assert_eq!(named.stated()[6].2, ConditionFrom::Landmark);
     let file = named.stated_in(network.clone());
     assert_eq!(resolve(&file, &stated(&file)), named);
     let named = named.held(&network, |_| true);
     assert!(named.conditions == held.conditions && !named.is_found(6));
-    // A file marks it, so that who reads it shares the total in the same way.
-    assert_eq!(named.stated()[6].2, ConditionFrom::Landmark);
     // One that a person states there stays as it is, and so do the shares of the others.
     network.node_mut(6).condition = boundary.condition(6);
     let file = Boundary { found_outlets: vec![1, 2, 4, 5], ..boundary.clone() }.held(&network, |_| true);

@@ -426,7 +426,7 @@ impl<'a> FreeEnds<'a> {
         for node in &ranked {
             let left = &mut free[self.part[*node]];
             if (are_known || self.goes_with(*node, &inlets)) && (!spare || *left > 1) {
-                *left -= 1;
+                *left = left.saturating_sub(1);
                 inlets.push(*node);
             }
         }

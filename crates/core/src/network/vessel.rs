@@ -260,31 +260,6 @@ impl Windkessel {
     }
 }
 
-/// Whether the condition of a node is one that willis found or worked out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum ConditionOrigin {
-    /// It is stated as it is.
-    #[default]
-    Stated,
-    /// It was found, and holds only while the node is a free end.
-    Found,
-    /// A landmark names the outlet, so that it always holds; its resistance is a share of the total, as of those found.
-    Landmark,
-}
-
-impl ConditionOrigin {
-    /// The word in files.
-    pub fn name(self) -> &'static str {
-        // In the order of the variants.
-        ["false", "true", "landmark"][self as usize]
-    }
-
-    /// Whether it is stated as it is.
-    pub fn is_stated(&self) -> bool {
-        *self == Self::Stated
-    }
-}
-
 /// A junction, a free end or a landmark.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Node {
