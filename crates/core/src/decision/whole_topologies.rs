@@ -192,7 +192,7 @@ impl KnownEnds<'_> {
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
         let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
-        let fragments = fragments(network, |_, v| v.is_given()).count;
+        let fragments = asked_in_turn.iter().filter_map(|a| a.joins).flatten().max().map_or(0, |last| last + 1);
         for first in (0..params.samples).step_by(BLOCK as usize) {
             let mut rng = stream(params.seed, random::ends(first / BLOCK));
             for _ in first..params.samples.min(first + BLOCK) {
@@ -262,17 +262,17 @@ impl KnownEnds<'_> {
         let fragment = fragments(network, |_, v| v.is_given()).of_node;
         let open = self.choices(network, holds, |e, _| e.probability).into_values().flatten();
         let rows: BTreeMap<usize, Alternative> = open.map(|choice| (choice.row, choice)).collect();
-        let mut pairs: BTreeMap<(Option<[usize; 2]>, Option<usize>), Alternatives> = BTreeMap::new();
+        let (mut loops, mut between) = (Vec::new(), BTreeMap::<[usize; 2], Vec<Alternative>>::new());
         for (row, choice) in rows {
             let [a, b] = network.ends(row).map(|node| fragment[node]);
-            let joins = (a != b).then_some([a.min(b), a.max(b)]);
-            pairs
-                .entry((joins, joins.is_none().then_some(row)))
-                .or_insert(Alternatives { choices: Vec::new(), joins })
-                .choices
-                .push(choice);
+            if a == b {
+                loops.push(Alternatives { choices: vec![choice], joins: None });
+            } else {
+                between.entry([a.min(b), a.max(b)]).or_default().push(choice);
+            }
         }
-        let mut pairs: Vec<Alternatives> = pairs.into_values().collect();
+        let between = between.into_iter().map(|(joins, choices)| Alternatives { choices, joins: Some(joins) });
+        let mut pairs: Vec<Alternatives> = loops.into_iter().chain(between).collect();
         pairs.sort_by(|a, b| b.best().total_cmp(&a.best()));
         for pair in &mut pairs {
             let (odds, sum) = (by_itself(pair.best()), pair.choices.iter().map(|choice| choice.odds).sum::<f64>());

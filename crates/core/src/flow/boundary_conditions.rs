@@ -255,10 +255,12 @@ impl Boundary {
     }
 
     fn from(&self, node: usize) -> ConditionFrom {
-        match self.named_outlets.binary_search(&node) {
-            _ if self.is_found(node) => ConditionFrom::FreeEnd,
-            Ok(_) => ConditionFrom::Landmark,
-            Err(_) => ConditionFrom::Statement,
+        if self.is_found(node) {
+            ConditionFrom::FreeEnd
+        } else if self.named_outlets.binary_search(&node).is_ok() {
+            ConditionFrom::Landmark
+        } else {
+            ConditionFrom::Statement
         }
     }
 
@@ -420,13 +422,15 @@ impl<'a> FreeEnds<'a> {
         }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
-        let spared = self.nodes.iter().filter(|node| !self.is_joined[**node]);
+        // An end that a candidate probably joins can be no outlet.
+        let can_be_outlet = |node: &usize| !self.is_joined[*node];
+        let spared = self.nodes.iter().filter(|node| can_be_outlet(node));
         let mut free = counted(self.part.len(), spared.map(|node| self.part[*node]));
         let mut inlets = Vec::new();
         for node in &ranked {
-            let left = &mut free[self.part[*node]];
-            if (are_known || self.goes_with(*node, &inlets)) && (!spare || *left > 1) {
-                *left = left.saturating_sub(1);
+            let (left, taken) = (&mut free[self.part[*node]], usize::from(can_be_outlet(node)));
+            if (are_known || self.goes_with(*node, &inlets)) && (!spare || *left > taken) {
+                *left -= taken;
                 inlets.push(*node);
             }
         }
