@@ -3,7 +3,7 @@
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
-use super::{suggestions::did_you_mean, toml_text::finite};
+use super::{suggestions::did_you_mean, ties::in_steps, toml_text::finite};
 use crate::error::{Fault, ensure};
 
 /// A sum of trees.
@@ -59,9 +59,10 @@ pub fn check_features(place: &str, found: &[String], names: &[impl AsRef<str>]) 
 /// Features beyond this say no more.
 const MOST: f64 = 1e6;
 
-/// A feature as a tree compares it: with 24 bits, so that rounding does not decide, and never without a value.
+/// A feature as a tree compares it: with 24 bits, and zero where it is zero but for rounding, so that rounding does not decide; never without a value.
 pub fn stored(x: f64) -> f32 {
-    if x.is_nan() { 0.0 } else { x.clamp(-MOST, MOST) as f32 }
+    // Steps of 10⁻¹², as some features are as small as 10⁻¹⁰ and mean it.
+    if x.is_nan() { 0.0 } else { in_steps(x.clamp(-MOST, MOST), 40) as f32 }
 }
 
 /// A binary tree over the columns of a row.

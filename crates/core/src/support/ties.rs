@@ -25,8 +25,13 @@ pub fn exceeds(x: f64, other: f64) -> bool {
 
 /// The nearest multiple of 2⁻²⁴, for differences of numbers of about 1: one that is zero but for rounding is zero again.
 pub fn near_zero(x: f64) -> f64 {
-    const STEPS: f64 = (1 << 24) as f64;
-    (x * STEPS).round() / STEPS + 0.0
+    in_steps(x, 24)
+}
+
+/// The nearest multiple of a power of 1/2; never -0.
+pub fn in_steps(x: f64, power: u32) -> f64 {
+    let steps = (1_u64 << power) as f64;
+    (x * steps).round() / steps + 0.0
 }
 
 /// Some items by a figure, the largest first; in single precision, so that rounding does not change the order of equal ones.
