@@ -9,7 +9,7 @@ use crate::{
 };
 use willis_core::network::{Wall, Windkessel, vessels_called};
 use willis_core::{
-    flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::close_each,
+    error::ensure, flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::close_each,
     simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports,
 };
 use willis_io::{formats::SolverSetting, formats::tables::reader::plural};
@@ -155,7 +155,7 @@ pub fn modulate_with<'a>(
 ///
 /// # Errors
 ///
-/// As [`simulate`] of the same options.
+/// As [`simulate`] of the same options; rigid walls.
 pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Follow) -> Result<(Network, SolverSetting)> {
     options.validate()?;
     let Solved { network, mut boundary, .. } = Solved::of(input, &options.boundary, Unfed::Keep, progress)?;
@@ -163,6 +163,8 @@ pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Fol
     let mut windkessels = options.boundary.windkessels(&network)?;
     let mut walls: Vec<Option<Wall>> = network.vessels().map(|(_, vessel)| vessel.wall).collect();
     if let Some(pulse) = &options.pulse {
+        let gives = pulse.wall != Some(WallLaw::Rigid);
+        ensure(gives, || Error::parameter("wall", "rigid", "expected walls that give, as a solver in time needs"))?;
         let waves = Waves::load(&network, &boundary, pulse, progress)?;
         boundary = waves.steady(&boundary)?;
         let steady = willis_core::simulation::simulate(&network, &boundary, options.viscosity, &[])?.unperturbed;

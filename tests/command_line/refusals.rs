@@ -24,10 +24,11 @@ fn ids(record: &Value, role: &str) -> Vec<String> {
 #[test]
 fn a_figure_that_cannot_be_read_is_answered_with_one_that_can() {
     let infer = |more: &[&'static str]| [&["infer", "a.swc", "-o", "out"], more].concat();
-    let cases: [(&[&str], &[&str]); 15] = [
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["--seed", "-1"], &["'-1' for '--seed <SEED>'", "expected a whole number", "see willis help infer"]),
         (&["-n", "many"], &["'many'", "such as 1000 or 1e6"]),
         (&["-n", "1.5"], &["'1.5'", "expected a whole number"]),
+        (&["-n", "1e16"], &["'1e16'", "is too large"]),
         (&["--epsilon", "50%"], &["'50%'", "such as 0.5"]),
         (&["--inlte", "5"], &["'--inlte' found; did you mean '--inlet'?"]),
         (&["--keep", "quantile"], &["--keep \"quantile\": needs a figure, as in quantile=0.8"]),

@@ -197,6 +197,12 @@ fn lengths_radii_and_paths_are_completed() {
     assert_eq!(v.path.first().map(|p| p.position), Some([0.0; 3]), "turned to run from the first node");
     assert!((v.length - 0.005).abs() < 1e-15 && (v.radius - 0.0015).abs() < 1e-15);
     assert_eq!(v.origin, Origin::Candidate);
+    // The nodes are 5 mm apart.
+    let is_told = |mm| {
+        let (_, notes) = graph(&small(&[], &[("radius_mm", "1"), ("length_mm", mm)])).unwrap();
+        notes.iter().any(|note| note.starts_with("1 edge shorter than the distance"))
+    };
+    assert_eq!(["0.5", "4.99", "5", "50"].map(is_told), [true, false, false, false]);
 }
 
 #[test]
@@ -230,6 +236,7 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
             vec![("points", "0 0 0 1")],
             format!("{e}points \"0 0 0 1\"; expected two or more different points x y z r;x y z r"),
         ),
+        (vec![("found", "yes")], vec![], "node a: found \"yes\"; expected true, false or landmark".into()),
         (vec![("role", "source")], vec![], "node a: role \"source\"; expected inlet, outlet or inner".into()),
         (vec![("pressure_mmHg", "inf")], vec![], "node a: pressure_mmHg inf; expected a finite number".into()),
         (

@@ -339,6 +339,7 @@ fn conditions_of_a_simulation_go_into_models() {
     for (words, why) in [
         (&["out.vtp", "--pulse"][..], "go with --to svzerod or --to openbf"),
         (&["out.yaml", "--wall", "rigid"], "--wall"),
+        (&["out.yaml", "--pulse", "--wall", "rigid"], "--wall rigid: expected walls that give"),
         (&["model.yaml", "--inlet", "in"], "model.yaml"),
     ] {
         let refused = convert(words);

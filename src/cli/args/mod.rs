@@ -67,10 +67,10 @@ const WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// A whole number, which may be typed as 1e6.
 pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
-    let by_exponent = |x: &f64| x.fract() == 0.0 && (0.0..=WHOLE).contains(x);
-    let number = text.parse().ok().or_else(|| text.parse().ok().filter(by_exponent).map(|x| x as u64));
-    let too_large = "is too large".to_owned();
-    number.ok_or("expected a whole number, such as 1000 or 1e6")?.try_into().map_err(|_| too_large)
+    let is_whole = |x: &f64| x.fract() == 0.0 && *x >= 0.0;
+    let by_exponent = || text.parse().ok().filter(is_whole).map(|x| (x <= WHOLE).then_some(x as u64));
+    let number = text.parse().map(Some).ok().or_else(by_exponent).ok_or("expected a whole number, such as 1000 or 1e6")?;
+    number.and_then(|number| number.try_into().ok()).ok_or_else(|| "is too large".to_owned())
 }
 
 /// A probability, as a number from 0 to 1.

@@ -74,10 +74,12 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
 }
 
 fn condition_from(item: &Item) -> Result<ConditionFrom, Fault> {
-    if item.text("found") == Some(ConditionFrom::Landmark.name()) {
-        return Ok(ConditionFrom::Landmark);
+    let landmark = ConditionFrom::Landmark;
+    if item.text("found") == Some(landmark.name()) {
+        return Ok(landmark);
     }
-    Ok(if item.boolean("found")? == Some(true) { ConditionFrom::FreeEnd } else { ConditionFrom::Statement })
+    let found = item.boolean("found").map_err(|fault| Fault { accepted: "expected true, false or landmark".into(), ..fault })?;
+    Ok(if found == Some(true) { ConditionFrom::FreeEnd } else { ConditionFrom::Statement })
 }
 
 /// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
@@ -159,6 +161,9 @@ pub(crate) const SPEED: &str = "pwv_m_per_s";
 pub(crate) const YOUNG: &str = "young_MPa";
 pub(crate) const THICKNESS: &str = "wall_mm";
 
+/// A length that is rounded is at least this share of the distance between the nodes.
+const ROUNDED: f64 = 0.99;
+
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
 /// should know. A radius that is missing or not positive, where it may, is NaN.
 pub(crate) fn vessels(
@@ -168,7 +173,7 @@ pub(crate) fn vessels(
     options: &ReadOptions,
 ) -> Result<Vec<String>, Fault> {
     let scale = &options.scale;
-    let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
+    let (mut straight, mut too_short, mut from_nodes, mut origins) = (0, 0, 0, 0);
     let mut names = BTreeMap::new();
     let reach = reach(network.nodes());
     for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
@@ -183,6 +188,8 @@ pub(crate) fn vessels(
             }
             None => length_of(&path),
         };
+        let apart = a.position.zip(b.position).map_or(0.0, |(p, q)| distance(p, q));
+        too_short += usize::from(length < ROUNDED * apart);
         let radius = match item.radius(scale)? {
             Some((key, radius)) if is_radius(radius) => {
                 if !key.starts_with("radius") || key == "radius_avg" {
@@ -236,6 +243,8 @@ pub(crate) fn vessels(
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
     notes.extend(counted(straight, "edge", "without length_mm: took the distance between the nodes"));
+    let note = "shorter than the distance between the nodes: are lengths and positions in one unit?";
+    notes.extend(counted(too_short, "edge", note));
     for (name, edges) in names {
         let means = match name {
             AREA => "sqrt(avgCrossSection/π)".to_owned(),
