@@ -143,6 +143,14 @@ fn right_bridges_may_come_from_a_table() {
     });
     assert_eq!(trained[0].passes, trained[1].passes);
     assert_eq!(trained[0].calibration, trained[1].calibration);
+    // The phantom's landmarks are no fragments, whatever format these have.
+    let case = here.path().join("plain/t0");
+    let made = willis(&case, &["convert", "fragments.swc", "fragments.vtp"]);
+    assert!(made.status.success(), "{}", stderr(&made));
+    fs::remove_file(case.join("fragments.swc")).expect("a file");
+    fs::write(case.join("fragments.landmarks.csv"), "label,x_mm,y_mm,z_mm\nT,0,0,0\n").expect("a file");
+    let done = willis(here.path(), &["train", "plain", "-o", "vtp.toml", "--folds", "0", "--passes", "1"]);
+    assert!(done.status.success(), "{}", stderr(&done));
 }
 
 #[test]
@@ -166,13 +174,24 @@ fn what_is_wrong_is_said_in_one_line() {
     fails(&[&["nowhere"][..], &rest].concat(), &["nowhere: cannot be read"]);
     fails(&["trees", "-o", "w.json"], &["--output w.json", ".toml"]);
     fails(&["trees", "-o", "w.toml", "--folds", "1"], &["--folds 1"]);
-    fails(&["trees", "-o", "w.toml", "--folds", "9"], &["--folds 9", "3 subjects"]);
+    fails(&["trees", "-o", "w.toml", "--folds", "9"], &["--folds 9", "2 to 3, the number of subjects"]);
+    fails(&["trees", "trees/easy", "-o", "w.toml"], &["CASES trees/easy/t0 is trees/easy/t0 once more"]);
     fails(&["trees", "-o", "w.toml", "--folds", "0", "--save-folds"], &["--save-folds"]);
     fails(&["trees", "-o", "w.toml", "--l2=-1"], &["--l2 -1"]);
     fails(&["trees", "-o", "w.toml", "--l2", "nan"], &["--l2 NaN"]);
     fails(&["trees", "-o", "w.toml", "--images-onto", "nothere.toml"], &["--images-onto nothere.toml", "--model skeleton"]);
     fails(&["trees", "-o", "w.toml", "--model", "labels", "--passes", "1"], &["--passes 1", "--model tracing"]);
     fails(&["trees", "-o", "w.toml", "--passes", "0"], &["--passes 0"]);
+    let labelled = here.path().join("labelled");
+    fs::create_dir(&labelled).expect("a folder");
+    for (name, text) in [
+        ("fragments.swc", "1 0 0 0 0 1 -1\n2 0 0 0 5 1 1\n"),
+        ("labels.csv", "id,label\n1,BA\n"),
+        ("truth.json", r#"{"subject": "a", "whole": true, "frame": "SPL"}"#),
+    ] {
+        fs::write(labelled.join(name), text).expect("a file");
+    }
+    fails(&["labelled", "-o", "w.toml", "--model", "labels"], &["truth.json: frame: \"SPL\"", "RAS or LPS"]);
     let truth = |text: &str| fs::write(case.join("truth.json"), text).expect("a file");
     truth("{\"breaks\": [{\"ids\": [1, 999999]}]}");
     one(&["truth.json: break 0: point 999999"]);

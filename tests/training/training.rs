@@ -1,5 +1,6 @@
 //! The fit: against hand solutions, against SciPy on the same features, against the scorer of the benchmark.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::training::minimise::calibrate_in_order;
 use willis::internals::training::minimise::minimise;
 use willis::internals::training::{
-    CandidateExample, Case, Example as _, FittedPass, Match, Objective, TrainParams, average_precision, calibrate,
+    CandidateExample, Case, Example as _, FittedPass, Folds, Match, Objective, TrainParams, average_precision, calibrate,
     calibration_error, case_weights, fit, fold_of, goes_without_inlets,
 };
 use willis::internals::training::{Model, read_cases};
@@ -150,6 +151,52 @@ fn subjects_keep_together_and_every_fold_gets_some() {
     }
     assert!(count.iter().all(|n| (70..130).contains(n)), "{count:?}");
     assert!(names.iter().all(|n| fold_of(n, 1) == 0));
+    // Of few subjects as well, whose hashes leave folds empty: with s1 to s6 one of three.
+    for subjects in 2..12 {
+        let cases: Vec<Case> = (1..=subjects).map(|n| Case { subject: format!("s{n}"), ..Case::default() }).collect();
+        for count in 2..=subjects {
+            let folds = Folds::new(&cases, count).expect("folds");
+            let taken: BTreeSet<usize> = cases.iter().map(|case| folds.of(&case.subject)).collect();
+            assert_eq!(taken, (0..count).collect(), "{subjects}");
+        }
+    }
+}
+
+/// One gap of 4 mm between two tubes with points a millimetre apart, told several times and from either side; what lies nearer to an inlet is the parent,
+/// whichever file names the inlet.
+#[test]
+fn a_connection_is_one_however_it_is_told() {
+    let here = folder();
+    let gap = r#""breaks": [{"ids": [21, 22]}]"#;
+    let of = |name: &str, truth: &str, more: &[(&str, &str)]| {
+        let case = here.path().join(name).join("line");
+        two_tubes(&case, truth);
+        if truth.is_empty() {
+            fs::remove_file(case.join("truth.json")).expect("a file");
+        }
+        more.iter().for_each(|(name, text)| fs::write(case.join(name), text).expect("a file"));
+        read_cases(&[here.path().join(name)], Model::Tracing).map(|found| found.cases)
+    };
+    let links = |rows: &str| format!("ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm\n{rows}");
+    let several = links("20,0,0,24,0,0\n24,0,0,20,0,0\n20,0,0,24,0,0\n19.8,0,0,24.2,0,0\n");
+    for (name, truth, more) in
+        [("once", format!("{{{gap}}}"), vec![]), ("several", String::new(), vec![("links.csv", several.as_str())])]
+    {
+        let cases = of(name, &truth, &more).expect("cases");
+        let example = CandidateExample::new(&cases[0], true).expect("bridges");
+        assert_eq!((cases[0].truth.needed(), example.reached()), (1, 1), "{name}");
+    }
+    let inlet = [("inlets.csv", "x_mm,y_mm,z_mm\n44,0,0\n")];
+    let told = [
+        of("none", &format!("{{{gap}}}"), &[]),
+        of("there", &format!("{{\"inlets\": [42], {gap}}}"), &[]),
+        of("beside", &format!("{{{gap}}}"), &inlet),
+    ];
+    let [none, there, beside] = told.map(|cases| cases.expect("cases")[0].truth.clone());
+    assert!(there == beside && there != none);
+    let nowhere = links("20,0,0,20.1,0,0\n");
+    let why = of("point", "", &[("links.csv", nowhere.as_str())]).expect_err("no connection").to_string();
+    assert!(why.contains("links.csv:2: both ends are at one point"), "{why}");
 }
 
 /// Trained on some trees, other trees of the same kind are told far better than by chance.

@@ -21,6 +21,8 @@ const LINKS: &str = "links.csv";
 /// The mask that a skeleton was thinned from.
 const MASKS: [&str; 2] = ["mask.nii.gz", "mask.nii"];
 const LOOPS: [&str; 2] = ["loops.csv", "fragments.loops.csv"];
+/// Where the arteries enter and leave, as `willis phantom` writes it; not looked at.
+const LANDMARKS: &str = "fragments.landmarks.csv";
 /// An end of a listed connection is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
 
@@ -77,6 +79,7 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
             *found.notes.entry("fragments without an answer: left out".into()).or_default() += unanswered;
         }
     }
+    each_once(folders.iter().map(|folder| &folder.path))?;
     for read in in_order(&folders, |_, folder| read_case(folder, model)) {
         let (case, notes) = read?;
         found.cases.push(case);
@@ -85,6 +88,19 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
         }
     }
     Ok(found)
+}
+
+/// Refuses a case that is found by two ways: it would count twice, by a link under two names, of which one may be held out.
+pub(crate) fn each_once<'a>(folders: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
+    let mut seen: BTreeMap<PathBuf, &PathBuf> = BTreeMap::new();
+    for folder in folders {
+        let real = folder.canonicalize().map_err(|source| Error::Read { path: folder.clone(), source })?;
+        if let Some(before) = seen.insert(real, folder) {
+            let found = format!("{} is {} once more", folder.display(), before.display());
+            return Err(Error::parameter("CASES", found, "expected each case once"));
+        }
+    }
+    Ok(())
 }
 
 /// The last name of a path, also of `.`.
@@ -129,7 +145,7 @@ fn is_image(path: &Path) -> bool {
 
 fn is_fragments(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    name.starts_with("fragments.") && !TRUTHS.contains(&name) && !LOOPS.contains(&name) && is_there(path)
+    name.starts_with("fragments.") && ![&TRUTHS[..], &LOOPS, &[LANDMARKS]].concat().contains(&name) && is_there(path)
 }
 
 /// The centerlines of a case folder.
@@ -177,7 +193,7 @@ fn read_case(folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
     let resampled = Resampled::new(&network, kind);
     let extraction = resampled.extraction(&inlets)?;
     let (truth, subject) = if path.extension().is_some_and(|ending| ending == "json") {
-        read_truth(&bytes, &network, &extraction).map_err(here)?
+        read_truth(&bytes, &network, &extraction, &inlets).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
     };
@@ -223,6 +239,9 @@ fn listed(bytes: &[u8], extraction: &Extraction, inlets: &[usize]) -> Result<Kno
                 return Err(Fault::line(listed.line, found, "expected the positions of two points"));
             };
             *end = point;
+        }
+        if ends[0] == ends[1] {
+            return Err(Fault::line(listed.line, "both ends are at one point", "expected the positions of two points"));
         }
         pairs.push(ends);
     }

@@ -191,6 +191,35 @@ pub fn fold_of(subject: &str, folds: usize) -> usize {
     ((share_of(&["fold", subject]) * folds as f64) as usize).min(folds.saturating_sub(1))
 }
 
+/// Which fold of a cross-validation holds a subject out: that of [`fold_of`], to which further subjects change nothing; where this leaves a
+/// fold without a case, subjects are dealt in the order of their names.
+#[derive(Debug, Default)]
+pub struct Folds {
+    count: usize,
+    dealt: BTreeMap<String, usize>,
+}
+
+impl Folds {
+    /// So many folds of some cases; 0 for none.
+    ///
+    /// # Errors
+    ///
+    /// One fold, or fewer subjects than folds.
+    pub fn new(cases: &[Case], count: usize) -> Result<Self> {
+        let subjects: BTreeSet<&str> = cases.iter().map(|case| case.subject.as_str()).collect();
+        let accepted = format!("expected 2 to {}, the number of subjects, or 0 for no cross-validation", subjects.len());
+        require(count == 0 || (2..=subjects.len()).contains(&count), "folds", count, accepted)?;
+        let taken: BTreeSet<usize> = subjects.iter().map(|subject| fold_of(subject, count)).collect();
+        let names = if taken.len() < count { subjects } else { BTreeSet::new() };
+        Ok(Self { count, dealt: names.into_iter().enumerate().map(|(at, name)| (name.to_owned(), at % count)).collect() })
+    }
+
+    /// The fold of a subject, counted from 0.
+    pub fn of(&self, subject: &str) -> usize {
+        self.dealt.get(subject).copied().unwrap_or_else(|| fold_of(subject, self.count))
+    }
+}
+
 /// The fold of each case, of so many, subjects dealt in the order of their names; and how many subjects there are.
 pub(crate) fn dealt<'s>(subjects: impl Iterator<Item = &'s str> + Clone, folds: usize) -> (Vec<usize>, usize) {
     let order: BTreeSet<&str> = subjects.clone().collect();
@@ -208,12 +237,12 @@ type Validated<'a, E> = (Vec<<E as Example<'a>>::Model>, Vec<<E as Example<'a>>:
 /// Those of `fit`, and of [`Example::judge`].
 pub fn cross_validate<'a, E: Example<'a>>(
     examples: &[&E],
-    folds: usize,
+    folds: &Folds,
     mut fit: impl FnMut(usize, &dyn Fn(&Case) -> bool) -> Result<E::Model>,
 ) -> Result<Validated<'a, E>> {
     let (mut models, mut everything) = (Vec::new(), Vec::new());
-    for fold in 0..folds {
-        let is_held_out = |case: &Case| fold_of(&case.subject, folds) == fold;
+    for fold in 0..folds.count {
+        let is_held_out = |case: &Case| folds.of(&case.subject) == fold;
         let mut model = fit(fold + 1, &is_held_out)?;
         let outer: Vec<&E> = examples.iter().copied().filter(|e| is_held_out(e.case())).collect();
         let found = in_order(&outer, |_, e| e.judge(&model)).into_iter().collect::<Result<Vec<_>>>()?;
@@ -233,21 +262,6 @@ pub fn cross_validate<'a, E: Example<'a>>(
 
 fn scores_of<'a, E: Example<'a>>(judged: &[(&E, E::Judged)]) -> Vec<E::Scores> {
     E::scores(&judged.iter().map(|(e, judged)| (*e, judged)).collect::<Vec<_>>())
-}
-
-/// Whether every fold has subjects to fit to and subjects to judge by.
-///
-/// # Errors
-///
-/// It has not: says how many subjects there are.
-pub fn check_folds(cases: &[Case], folds: usize) -> Result<()> {
-    let subjects: BTreeSet<&str> = cases.iter().map(|c| c.subject.as_str()).collect();
-    let taken: BTreeSet<usize> = subjects.iter().map(|s| fold_of(s, folds)).collect();
-    let accepted = match subjects.len() {
-        n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
-        _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
-    };
-    require(folds >= 2 && taken.len() >= folds, "folds", folds, accepted)
 }
 
 /// Probabilities that leave doubt.

@@ -76,7 +76,7 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
 ///
 /// # Errors
 ///
-/// Parameters out of range, no case, none with a true connection within reach.
+/// Parameters out of range, no case, none with a true connection within reach of the side that hangs on the other.
 pub fn fit(
     examples: &[&CandidateExample],
     calibrating: &[&CandidateExample],
@@ -85,7 +85,8 @@ pub fn fit(
 ) -> Result<Weights> {
     params.validate()?;
     let is_enough = examples.iter().any(|e| e.allowed.contains(&true));
-    require(is_enough, "cases", examples.len(), "expected one at least with a true connection within reach")?;
+    let accepted = "expected one at least with a true connection within reach of the side that hangs on the other";
+    require(is_enough, "cases", examples.len(), accepted)?;
     let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.table.features)).collect();
     let mut posteriors: Vec<(Forests, Marginals)> = Vec::new();
     let mut passes: Vec<PassWeights> = Vec::new();

@@ -50,14 +50,17 @@ pub struct KnownConnections {
 
 impl KnownConnections {
     /// Connections between points of the extraction. Those near to either end are right too: 2 spacings along a loose end; on a
-    /// standing vessel 3 spacings, a diameter or 3/4 of the gap. What is nearer to one of the `inlets` (nodes) is the parent.
+    /// standing vessel 3 spacings, a diameter or 3/4 of the gap. A pair so near to one before it is the same connection. What is nearer to one of
+    /// the `inlets` (nodes) is the parent.
     pub fn between(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Self {
         let mut this = Self { sides: Vec::new(), sites: vec![Vec::new(); extraction.position.len()], unclear: Vec::new() };
         let index = PointIndex::new(extraction.position.clone());
         let order = outwards(extraction, pairs, inlets);
-        for (connection, (ends, order)) in pairs.iter().zip(order).enumerate() {
+        for (ends, order) in pairs.iter().zip(order) {
+            let connection = this.sides.len();
+            let Match { connection, pieces } = this.matching(ends[0], ends[1]).unwrap_or(Match { connection, pieces: [0, 1] });
             let gap = distance(extraction.position[ends[0]], extraction.position[ends[1]]);
-            for (piece, point) in ends.iter().enumerate() {
+            for (piece, point) in pieces.into_iter().zip(ends) {
                 let (h, r) = (extraction.spacing, extraction.radius[*point]);
                 let standing = (STANDING_SPACINGS * h).max(STANDING_RADII * r).max(STANDING_GAPS * gap);
                 let reach = if extraction.end_at[*point].is_some() { LOOSE_SPACINGS * h } else { standing };
@@ -67,7 +70,9 @@ impl KnownConnections {
                     }
                 }
             }
-            this.sides.push(order.to_vec());
+            if connection == this.sides.len() {
+                this.sides.push(order.to_vec());
+            }
         }
         this
     }
@@ -228,17 +233,22 @@ struct BreakPoints {
     ids: [u64; 2],
 }
 
-/// The true connections of an extraction of a network, and the subject where it is named.
+/// The true connections of an extraction of a network that blood enters at some nodes, and the subject where it is named.
 ///
 /// # Errors
 ///
 /// No such JSON, a node that is not there, links that no point of the extraction reaches.
-pub fn read_truth(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
+pub fn read_truth(
+    bytes: &[u8],
+    network: &Network,
+    extraction: &Extraction,
+    inlets: &[usize],
+) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
     let file: TruthFile = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
     let mut truth = match (&file.links, &file.breaks) {
         (Some(links), None) => file.of_links(links, extraction)?,
-        (None, Some(breaks)) => file.of_breaks(breaks, network, extraction)?,
+        (None, Some(breaks)) => file.of_breaks(breaks, network, extraction, inlets)?,
         (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
         (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
     };
@@ -296,7 +306,13 @@ impl TruthFile {
     }
 
     /// Missing stretches between two points by their ids.
-    fn of_breaks(&self, gaps: &[BreakPoints], network: &Network, extraction: &Extraction) -> Result<KnownConnections, Fault> {
+    fn of_breaks(
+        &self,
+        gaps: &[BreakPoints],
+        network: &Network,
+        extraction: &Extraction,
+        inlets: &[usize],
+    ) -> Result<KnownConnections, Fault> {
         // Where each id is: a node, or a point of a vessel, which stands for the nearest that the model sees there.
         let nodes_by_id = network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row)));
         let nodes_by_id: BTreeMap<u64, usize> = nodes_by_id.collect();
@@ -320,7 +336,7 @@ impl TruthFile {
             let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
             pairs.push([a?, b?]);
         }
-        let mut nodes = Vec::new();
+        let mut nodes = inlets.to_vec();
         for id in self.inlets.iter().filter_map(serde_json::Value::as_u64) {
             let point = find("inlets".into(), id)?;
             nodes.extend(Some(point).filter(|point| *point < network.node_count()));

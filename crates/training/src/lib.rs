@@ -16,7 +16,7 @@ pub mod names;
 pub use cases::{Cases, read_cases};
 pub use contacts::{ContactExample, calibrate_contacts};
 pub use example::{CandidateExample, Case, CaseScores, Example, Model, TreeExample};
-pub use example::{average_precision, calibration_error, check_folds, cross_validate, fold_of};
+pub use example::{Folds, average_precision, calibration_error, cross_validate, fold_of};
 pub use fit::{FittedPass, Objective, TrainParams, case_weights, fit, goes_without_inlets};
 pub use joins::JoinExample;
 pub use known_connections::Match;

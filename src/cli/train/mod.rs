@@ -10,8 +10,8 @@ use serde_json::json;
 use crate::internals::candidates::model::{Fold, HeldOutScores, Weights};
 use crate::internals::training::names::{NamingModel, fit_names, read_labelled_cases};
 use crate::internals::training::{
-    CandidateExample, Case, Cases, ContactModel, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,
-    goes_without_inlets, read_cases,
+    CandidateExample, Case, Cases, ContactModel, FittedPass, Folds, Model, TrainParams, cross_validate, fit, goes_without_inlets,
+    read_cases,
 };
 use crate::{
     Result, internals::candidates::joins::model::JoinModel, internals::output::StagedFiles, internals::pipeline::require,
@@ -61,9 +61,7 @@ impl TrainArgs {
         let terminal = output.terminal;
         let Cases { cases: all, notes } = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &notes, "case");
-        if self.folds > 0 {
-            check_folds(&all, self.folds)?;
-        }
+        let folds = Folds::new(&all, self.folds)?;
         let others = read_cases(&self.calibrate_with, Model::Tracing)?;
         say_notes(terminal, &others.notes, "case");
         let calibrating = CandidateExample::measure(others.cases.iter(), true)?;
@@ -79,7 +77,7 @@ impl TrainArgs {
         terminal.say("measured", format!("in {seconds:.0} s; {bare} used without their inlets"));
         let mut weights = fit(&training, &calibrating, params, &mut |step| say_step(terminal, "fitted", step))?;
         let examples: Vec<&CandidateExample> = judged.iter().chain(calibrating.iter().copied()).collect();
-        let (folds, figures) = cross_validate(&examples, self.folds, |fold, is_held_out| {
+        let (folds, figures) = cross_validate(&examples, &folds, |fold, is_held_out| {
             let stays = |e: &&CandidateExample| !is_held_out(e.case);
             let inner: Vec<&CandidateExample> = training.iter().copied().filter(stays).collect();
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();

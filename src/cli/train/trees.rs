@@ -8,8 +8,8 @@ use super::args::{Output, TrainArgs, made_by, or_none};
 use crate::cli::print::{count, plural, say_notes};
 use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
 use crate::internals::training::{
-    Case, Cases, ContactExample, ContactModel, ContactScores, Example, JoinExample, Model, TreeExample, calibrate_contacts,
-    check_folds, cross_validate, read_cases,
+    Case, Cases, ContactExample, ContactModel, ContactScores, Example, Folds, JoinExample, Model, TreeExample,
+    calibrate_contacts, cross_validate, read_cases,
 };
 use crate::{Result, error::Fault, internals::formats::bytes_of, internals::pipeline::require};
 
@@ -35,9 +35,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
     let Cases { cases, notes } = read_cases(&args.cases, M::Seen::KIND)?;
     say_notes(terminal, &notes, "case");
     let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &cases)).transpose()?;
-    if args.folds > 0 {
-        check_folds(&cases, args.folds)?;
-    }
+    let folds = Folds::new(&cases, args.folds)?;
     let examples = M::Seen::measure(&cases)?;
     for of_set in examples.chunk_by(|a, b| a.case().data_set == b.case().data_set) {
         let (data_set, held) = (&of_set[0].case().data_set, M::say_read(of_set));
@@ -46,7 +44,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
     terminal.say("measured", format!("in {:.0} s", output.began.elapsed().as_secs_f64()));
     let all: Vec<&M::Seen<'_>> = examples.iter().collect();
     let mut model = M::Seen::fit(&all, &mut |step| output.say_after("fitted", step))?;
-    let (folds, figures) = cross_validate(&all, args.folds, |fold, is_held_out| {
+    let (folds, figures) = cross_validate(&all, &folds, |fold, is_held_out| {
         let inner: Vec<&M::Seen<'_>> = examples.iter().filter(|e| !is_held_out(e.case())).collect();
         M::Seen::fit(&inner, &mut |step| output.say_after(&format!("fold {fold}"), step))
     })?;

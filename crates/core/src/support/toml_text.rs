@@ -16,7 +16,8 @@ pub fn parse<T: DeserializeOwned>(text: &str, accepted: &str) -> Result<T, Fault
     toml::from_str(text).map_err(|error| {
         let before = error.span().map_or(0, |span| span.start.min(text.len()));
         let line = text[..before].matches('\n').count() + 1;
-        Fault::line(line, error.message().replace('\n', " "), accepted)
+        // A key in backticks would be told as the option of that name.
+        Fault::line(line, error.message().replace('\n', " ").replace('`', "\""), accepted)
     })
 }
 

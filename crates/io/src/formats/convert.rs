@@ -12,7 +12,7 @@ use super::solvers::{enters, with_few_at_a_node, without_loops, without_unfed};
 use super::{Format, FormatTrait, SolverSetting, Written, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids};
 use willis_core::error::{Error, Result, require};
 use willis_core::flow::Unfed;
-use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
+use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
 use willis_core::support::geometry::lerp;
 
 /// What to write, and where.
@@ -191,6 +191,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let [lengths, radii] = if lacks(Figures) && is_lines { changed_as_lines(network) } else { [0, 0] };
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
+    let has_venous = |n: &Node| matches!(n.condition, Some(Condition::Resistance { venous, .. }) if venous != 0.0);
     let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
     let counts = [
         (lacks(Paths), vessels(&|v| v.path.len() > 2), "the points between the nodes of {} vessels"),
@@ -212,6 +213,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
         (is_lines, degree.iter().filter(|d| **d == 2).count(), "{} nodes that join two vessels, which are read again as one"),
         (is_lines, without_course, "{} vessels from a node to itself, which have no course"),
         (is_openbf, inlets, "the pressure or flow of {} inlets, which openBF takes as a course in time from inlet-N.dat"),
+        (is_openbf, nodes(&has_venous), "the venous pressure of {} outlets, which is 0 in openBF"),
     ];
     let lost = counts.into_iter().filter(|(is_lost, count, _)| *is_lost && *count > 0);
     let mut lost: Vec<String> = lost.map(|(_, count, what)| what.replace("{}", &count.to_string())).collect();

@@ -8,7 +8,9 @@ use std::{f64::consts::PI, iter::successors};
 use serde_json::{Value, json};
 
 use crate::formats::{Network, Node, ensure, find, other_end, plural, refused, vessels_at};
-use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
+use willis_core::flow::{
+    Boundary, Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY, state::State,
+};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 use willis_core::support::numbered::{grouped, marked, placed};
 
@@ -199,6 +201,24 @@ impl<'a> Directed<'a> {
         let matched = (self.setting.density / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
         self.network.node(node).windkessel().proximal.unwrap_or(matched).min(resistance)
     }
+
+    /// The pressure at which radii hold, Pa: that of the flow at rest, the mean over the length of the vessels. 0 where an outlet is at ground.
+    fn operating_pressure(&self) -> f64 {
+        let network = self.network;
+        let stated = network.nodes().enumerate().filter_map(|(node, of)| Some((node, of.condition?)));
+        let conditions: Vec<(usize, Condition)> = stated.collect();
+        if conditions.iter().any(|(_, condition)| *condition == Condition::GROUND) {
+            return 0.0;
+        }
+        let boundary = Boundary { conditions, roles: vec![Role::Inner; network.node_count()], ..Boundary::default() };
+        let viscosity = self.setting.viscosity;
+        let state = State::solve(network, &boundary, &Tube::at_rest(network, viscosity), viscosity);
+        let Ok(State { pressure, .. }) = state else { return 0.0 };
+        let along = |[a, b]: [usize; 2]| Some(f64::midpoint(pressure[a]?, pressure[b]?));
+        let sums = network.vessels().filter_map(|(ends, vessel)| Some((along(ends)? * vessel.length, vessel.length)));
+        let [sum, length] = sums.fold([0.0; 2], |[sum, length], (part, l)| [sum + part, length + l]);
+        if length > 0.0 { sum / length } else { 0.0 }
+    }
 }
 
 /// The shortest way from a node by one of its vessels to a target, as node, row and node for each vessel from the last to the first; over vessels
@@ -259,6 +279,9 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 /// Writes a network for openBF, and returns the ids of the nodes of its inlets, in the order of their numbers. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
 ///
+/// Friction is that of a parabolic profile, which openBF up to 1.5 takes for one only if it is told. The one external pressure of all is what its
+/// tubes have at R0, so that vessels are as wide under pressure as the network says.
+///
 /// The keys of openBF changed with version 2: up to 1.5, which has several inlets, `project name`, `convergence tolerance` (%) and an
 /// `inlet` at its vessel are read; from 2 on `project_name`, `convergence_tolerance` (mmHg) and the one `inlet_file` of node 1. The file has both,
 /// and each version passes over those of the other. Nodes where blood enters come first.
@@ -285,7 +308,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
     writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
     writeln!(out, "network:")?;
-    let mut inlets = Vec::new();
+    let (mut inlets, operating) = (Vec::new(), number_of(ends.operating_pressure()));
     for (row, [begins, stops]) in ends.turned.iter().enumerate() {
         let vessel = network.vessel(row);
         let thickness =
@@ -297,6 +320,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
         // A wall that keeps its volume has C' = (3/2) A r/(Eh).
         let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];
         writeln!(out, "    E: {}\n    h0: {}", number_of(stiffness / thickness), number_of(thickness))?;
+        writeln!(out, "    Pext: {operating}\n    gamma_profile: 2")?;
         if let Some(condition) = ends.condition(*begins) {
             inlets.push(network.node(*begins).id.clone());
             let is_pressure =
@@ -306,16 +330,13 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
         }
         match ends.condition(*stops) {
             None => {}
-            Some(Condition::Resistance { resistance, venous }) => {
+            Some(Condition::Resistance { resistance, .. }) => {
                 let compliance = network.node(*stops).windkessel().compliance.unwrap_or(Windkessel::TIME_CONSTANT / resistance);
                 let least = LEAST * resistance;
                 let proximal = ends.proximal(*stops, resistance, row).clamp(least, resistance - least);
                 let distal = resistance - proximal;
                 let [proximal, distal, compliance] = [proximal, distal, compliance].map(number_of);
                 writeln!(out, "    outlet: wk3\n    R1: {proximal}\n    R2: {distal}\n    Cc: {compliance}")?;
-                if venous != 0.0 {
-                    writeln!(out, "    Pout: {}", number_of(venous))?;
-                }
             }
             // Its ends without a Windkessel reflect by a coefficient: 1 where nothing passes, -1 where the pressure stays at rest.
             Some(Condition::Flow(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: 1.0")?,

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::cases::{read_network, walk};
-use willis_core::error::{Fault, Result, require};
+use crate::cases::{each_once, read_network, walk};
+use willis_core::error::{Fault, Result, ensure, require};
 use willis_core::network::{Frame, Network, paths::ShortestPaths};
 use willis_core::support::geometry::{Point, distance, dot};
 use willis_core::support::in_order;
@@ -78,6 +78,7 @@ pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
         let accepted = "expected folders with fragments.swc, labels.csv and truth.json in them";
         require(found.len() > before, "CASES", format!("{}: no labelled case", folder.display()), accepted)?;
     }
+    each_once(found.iter())?;
     let weights = Weights::shipped()?;
     in_order(&found, |_, folder| read_case(folder, &weights)).into_iter().collect()
 }
@@ -93,6 +94,8 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     })?;
     if !network.frame.is_known() {
         network.frame = Frame::of_word(&truth.frame);
+        let fault = || Fault::item("frame", format!("\"{}\"", truth.frame), "expected RAS or LPS").in_file(&truth_file);
+        ensure(network.frame.is_known() || truth.frame.is_empty(), fault)?;
     }
     let labels_file = folder.join(LABELS_FILE);
     let labels = read_labels(&regular_bytes_of(&labels_file)?).map_err(|fault| fault.in_file(&labels_file))?;
