@@ -443,13 +443,21 @@ def test_pulse_is_that_of_the_command(tmp_path):
     assert "pulsatility_index" in willis.simulate(circle, pulse=True).edges
 
 
-def test_measures_are_those_of_the_command():
+def test_measures_are_those_of_the_command(tmp_path):
     circle = "data/circle-of-willis/complete.graphml"
     of_file = willis.measure(circle)
     of_network = willis.measure(willis.read(circle))
     assert np.array_equal(of_file.vessels["length_mm"], of_network.vessels["length_mm"])
     assert of_file.vessels["length_mm"].sum() == pytest.approx(willis.read(circle).edges["length_mm"].sum())
     assert len(of_file.intervals["figure"]) == 0
+    # A tree that narrows from its root says where blood comes from, by the file; another end would be found to be an inlet as well.
+    tree = tmp_path / "tree.swc"
+    tree.write_text("1 0 0 0 0 2 -1\n2 0 10 0 0 2 1\n3 0 20 5 0 1.2 2\n4 0 20 -5 0 1 2\n5 0 40 8 0 0.8 3\n6 0 40 2 0 .7 3\n7 0 10 0 60 1 4\n")
+    for reading in ({}, {"units": "cm"}):
+        of_tree = willis.measure(willis.read(tree, **reading))
+        assert of_tree.ends["role"].tolist() == ["inlet"] + 3 * ["outlet"] and of_tree.subjects["subject"].tolist() == ["tree"]
+        assert of_tree.vessels["generation"].tolist() == [0, 1, 1, 2, 2]
+    assert of_tree.subjects["length_mm"] == pytest.approx(10 * willis.measure(str(tree)).subjects["length_mm"])
     run = willis.infer(BROKEN, samples=10, progress=False)
     measured = willis.measure(run)
     assert measured.subjects["length_mm"][0] == pytest.approx(run.topology.edges["length_mm"].sum())

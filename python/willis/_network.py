@@ -245,6 +245,19 @@ def read_packed(name: str, packed: bytes, reading: list[str]) -> Network:
     return network
 
 
+def file_of(network: Network, folder: Path) -> tuple[Path, list[str]]:
+    """The file that a network was read from, which may say by its lines where blood enters, and how; else a new one in a folder."""
+    made, of = network._made
+    if "--observed" not in network._reading:
+        if made is _read and of[0].is_file():
+            return of[0], network._reading
+        if made is read_packed:
+            (folder / of[0]).write_bytes(of[1])
+            return folder / of[0], network._reading
+    network.save(folder / "network.graphml")
+    return folder / "network.graphml", []
+
+
 def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
     parameters = inspect.signature(function).parameters.items()
     return {name: one.default for name, one in parameters if one.default is not inspect.Parameter.empty}

@@ -15,7 +15,7 @@ from typing import Any, Literal
 from . import _willis
 from ._errors import Note, WillisError
 from ._following import PathLike, say
-from ._network import Network, Source, Table, defaults_of, network_of, read, read_run
+from ._network import Network, Source, Table, defaults_of, file_of, network_of, read, read_run
 from ._run import Run, SavedRun, candidates, infer, table_of
 from ._words import Nodes, Repeated, conditions, words
 
@@ -154,10 +154,9 @@ def measure(
     ``measures``, columns of ``subjects``. ``readers`` are the decisions of two readers on the connections of runs, with ``{}`` for the input.
     """
     with tempfile.TemporaryDirectory() as temporary, _with_folder(source) as given:
-        folder = Path(temporary)
+        folder, reading = Path(temporary), []
         if isinstance(given, Network):
-            given.save(folder / "network.graphml")
-            given = folder / "network.graphml"
+            given, reading = file_of(given, folder)
         made = words(
             {
                 "smoothing": smoothing,
@@ -172,7 +171,7 @@ def measure(
             },
             {},
         )
-        _willis.call(["measure", *_inputs(given), "-o", str(folder / "measured"), *made], say)
+        _willis.call(["measure", *_inputs(given), "-o", str(folder / "measured"), *reading, *made], say)
         return Measured(folder / "measured")
 
 

@@ -1,6 +1,6 @@
 //! What is ready to be sampled, and what of it was known before there were candidates.
 
-use std::{io::Write, path::Path, sync::Arc, time::Instant};
+use std::{borrow::Cow, io::Write, path::Path, sync::Arc, time::Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -75,6 +75,16 @@ impl Prepared {
     /// The graph before a person decided on it.
     pub(crate) fn undecided_graph(&self) -> &Network {
         self.undecided.as_ref().map_or(&self.graph, |before| &before.graph)
+    }
+
+    /// The graph with a person's edits and none of the decisions on connections, where it has the same rows; none where nobody decided.
+    pub(crate) fn without_decisions(&self) -> Option<Cow<'_, Network>> {
+        let (before, decided) = self.undecided.as_deref().zip(self.records.decisions.as_ref())?;
+        if decided.edits.is_empty() {
+            return Some(Cow::Borrowed(&before.graph));
+        }
+        let edited = before.clone().decided(&Decided { made: Vec::new(), ..decided.clone() }).ok()?.graph;
+        (edited.vessel_count() == self.graph.vessel_count()).then_some(Cow::Owned(edited))
     }
 
     /// The options with the prior of this input. The paper fixes where blood enters and leaves, so its preset and its loop do too.

@@ -49,7 +49,9 @@ fn list(here: &Path, run: &str, input: &str) -> [usize; 2] {
 fn accepted_connections_are_in_every_answer_and_rejected_ones_in_none() {
     let here = folder();
     let here = here.path();
-    for (at, more) in [&[][..], &["--keep", "median"], &["--preset", "paper"], &["--uncertain", "all"]].into_iter().enumerate() {
+    let by_rule = ["median", "value=-1", "frequency=0", "probability=0"].map(|rule| ["--keep", rule]);
+    let others: [&[&str]; 3] = [&[], &["--preset", "paper"], &["--uncertain", "all"]];
+    for (at, more) in others.into_iter().chain(by_rule.iter().map(|rule| &rule[..])).enumerate() {
         let [plain, out] = ["plain", "decided"].map(|name| format!("{name}{at}"));
         infer(here, &plain, more);
         let [accepted, rejected] = list(here, &plain, "");
@@ -59,10 +61,13 @@ fn accepted_connections_are_in_every_answer_and_rejected_ones_in_none() {
         let of = |row: usize| ["kept", "above_median"].map(|name| edges[row][name].as_str());
         assert_eq!((of(accepted), of(rejected)), (["1", "1"], ["0", "0"]), "{more:?}");
         assert_eq!((&*edges[rejected]["likelihood"], &*edges[accepted]["prior"]), ("0", "1"), "{more:?}");
+        assert_eq!(edges[rejected]["std_error"], "0", "{more:?}: it is in no sample, for certain");
         let bytes = fs::read(here.join(&out).join("run.json")).expect("a record");
         let record: serde_json::Value = serde_json::from_slice(&bytes).expect("JSON");
         let made = record["parameters"]["decisions"]["made"].as_array().expect("a list");
         assert!(made.iter().any(|d| d["edge"] == accepted && d["accepted"] == true && d["who"] == "A. Reader"));
+        let undecided = record["convergence"]["undecided_edges"].as_array().expect("a list");
+        assert!(!undecided.iter().any(|row| *row == rejected || *row == accepted), "{more:?}: both are decided");
         assert!(record["command"].as_str().is_some_and(|line| line.contains("--decisions decisions.csv")));
     }
 }

@@ -43,6 +43,25 @@ def check_saved(page, downloads):
     page.driver.execute_script("localStorage.clear()")
 
 
+def check_tabs(page):
+    """What is decided in another tab holds in this one, so neither takes from the browser what the other kept."""
+    rows = [row for row in page.listed() if page.is_uncertain(page.edges[row])][:2]
+    if len(rows) < 2:
+        return
+    driver, first = page.driver, page.driver.current_window_handle
+    page.click(f"#review-list li[data-row='{rows[0]}'] .accept")
+    driver.switch_to.new_window("tab")
+    page.open()
+    page.click(f"#review-list li[data-row='{rows[1]}'] .reject")
+    driver.close()
+    driver.switch_to.window(first)
+    WebDriverWait(driver, 60).until(lambda _: state(page, rows[1]) == "rejected")
+    page.open()
+    assert [state(page, row) for row in rows] == ["accepted", "rejected"]
+    driver.execute_script("localStorage.clear()")
+    page.open()
+
+
 FRAME = """<iframe src="report.html" width="1200" height="900"></iframe>
 <script>window.told = []; window.addEventListener("message", event => window.told.push(event.data));</script>"""
 OPEN = "return [...document.querySelectorAll('#review-list li:not(.accept, .reject, .unsure)')].map(line => Number(line.dataset.row))"
@@ -91,6 +110,7 @@ def main():
                 check_asked(page)
                 check_told(page)
                 check_saved(page, Path(downloads))
+                check_tabs(page)
                 page.no_error()
                 print(folder, "holds")
         finally:

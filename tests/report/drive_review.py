@@ -106,6 +106,37 @@ def state(page, row):
     return page.text(f"#review-list li[data-row='{row}'] .chance")
 
 
+def says(page, row, p):
+    """Whether the list says this probability of a connection."""
+    said = state(page, row).removeprefix("P").removeprefix(" = ").strip()
+    return said[0] in "<>" or abs(float(said) - p) <= 0.005
+
+
+def expects(page, record):
+    """Whether the page expects the errors that run.json does."""
+    about = lambda x: "none" if x < 0.05 else f"about {float(f'{x:.{1 if x < 1 else 2}g}'):g}"
+    wrong, missed = (record["expected_errors"][name] for name in ("wrong", "missed"))
+    return f"{about(wrong)} expected to be wrong, {about(missed)} missed" in page.text("#answer-words")
+
+
+def check_replayed(page, folder, decided, start):
+    """The page of a run with decisions says what that run does; where they are taken back, what the run without them does."""
+    new = type(page)(page.driver, folder)
+    others = lambda: [row for row in new.listed() if row not in decided and page.is_uncertain(page.edges[row])]
+    assert all(says(new, row, float(new.edges[row]["probability"])) for row in others()) and expects(new, new.record)
+    found = new.record["counts"]["topology"]
+    assert new.counts()["undecided"] == new.record["convergence"]["undecided"] and new.counts()["components"] == found["components"]
+    for row, decision in decided.items():
+        new.click(f"#review-list li[data-row='{row}'] .{decision}")
+    assert all(says(new, row, float(page.edges[row]["probability"])) for row in others()) and expects(new, page.record)
+    assert new.counts() == start, (new.counts(), start)
+    while new.one("#undo").is_enabled():
+        new.click("#undo")
+    new.no_error()
+    page.open()
+    page.click("#threshold summary")
+
+
 def go(page, row):
     page.click(f"#review-list li[data-row='{row}'] .go")
     page.rest()
@@ -198,17 +229,15 @@ def check_decisions(page, downloads):
     assert again[rows[-1]]["kept"] == "0" and float(again[rows[-1]]["probability"]) == 0 and float(again[rows[-1]]["likelihood"]) == 0
     # What the page says is what the run says: of each that is listed, and in all.
     for row in (row for row in set(page.listed()) - set(listed) if page.is_uncertain(page.edges[row])):
-        said = state(page, row).removeprefix("P").removeprefix(" = ").strip()
-        p = float(again[row]["probability"])
-        assert said[0] in "<>" or abs(float(said) - p) <= 0.005, (row, said, p)
+        assert says(page, row, float(again[row]["probability"])), (row, state(page, row), again[row])
     record = json.load(open(page.folder.parent / replayed / "run.json"))
     found, after = record["counts"]["topology"], page.counts()
     assert (after["components"], after["cycles"]) == (found["components"], found["cycles"]), (after, found)
     kept = sum(page.is_uncertain(e) and e["kept"] == "1" for e in again)
     assert (after["kept"], after["undecided"]) == (kept, record["convergence"]["undecided"]), (after, kept)
-    about = lambda x: "none" if x < 0.05 else f"about {float(f'{x:.{1 if x < 1 else 2}g}'):g}"
-    wrong, missed = (record["expected_errors"][name] for name in ("wrong", "missed"))
-    assert f"{about(wrong)} expected to be wrong, {about(missed)} missed" in page.text("#answer-words"), (wrong, missed, page.text("#answer-words"))
+    assert expects(page, record), (record["expected_errors"], page.text("#answer-words"))
+    decided = {row: d["decision"] for row, d in listed.items() if d["decision"] != "unsure"}
+    check_replayed(page, page.folder.parent / replayed, decided, start)
     # Without places it is a list for rows of this graph alone.
     bare = Path(downloads) / "bare.csv"
     with open(bare, "w", newline="") as file:

@@ -91,10 +91,12 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         Keep::Reconnect(least) => (reconnected(network, least), near(&evidence_if_asked(rule, network)?, rule)),
         _ => by_samples(rule, cut, result),
     };
-    for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
-        *kept |= !uncertain;
+    // What has A = 0, as one that a person rejected, is in no sample: there is nothing to keep, or to decide.
+    let is_gone = |row: usize| network.vessel(row).prior <= 0.0 && result.frequency[row] <= 0.0;
+    for (row, kept) in kept.iter_mut().enumerate() {
+        *kept = !result.uncertain[row] || *kept && !is_gone(row);
     }
-    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
+    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row] && !is_gone(*row)).collect();
     Ok(Decision { threshold: cut, median, kept, above_median, undecided, left_open, needed, instead })
 }
 

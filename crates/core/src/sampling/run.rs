@@ -69,6 +69,8 @@ pub struct Sampling {
     coins: Coins,
     plan: SamplingPlan,
     uncertain: Vec<bool>,
+    /// The vessels that are closed in every sample.
+    never: Vec<usize>,
     samples: u64,
     /// In an enumeration, the number of samples that L is scaled to.
     scaled_to: Option<u64>,
@@ -99,7 +101,8 @@ impl Sampling {
         };
         let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
         let (samples, uncertain) = (patterns.samples(params.samples), params.uncertain.vessels(network));
-        Ok(Self { patterns, coins, plan, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
+        let never = (0..vessels).filter(|row| keep[*row] <= 0.0).collect();
+        Ok(Self { patterns, coins, plan, uncertain, never, samples, scaled_to: params.exact.then_some(params.samples) })
     }
 
     /// How the samples are computed.
@@ -222,7 +225,11 @@ impl Sampling {
         let sums = part.total().unwrap_or_default();
         match self.scaled_to {
             Some(samples) => Likelihood::exact(sums, self.uncertain.clone(), samples),
-            None => Likelihood::new(sums, self.uncertain.clone(), part.trace()),
+            None => {
+                let mut found = Likelihood::new(sums, self.uncertain.clone(), part.trace());
+                self.never.iter().for_each(|row| found.std_error[*row] = 0.0);
+                found
+            }
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use rand::RngExt;
 
-use super::{marked, quantile, random::stream};
+use super::{marked, quantile, random::stream, ties::TIE};
 
 /// Half of the width of a normal interval of 95 %, in standard deviations.
 pub(super) const Z: f64 = 1.959_963_984_540_054;
@@ -37,17 +37,22 @@ pub fn quartiles(values: impl Iterator<Item = f64>) -> (usize, [f64; 3]) {
 
 /// Compares two groups in a measure. `imputations` has the values of all subjects, once for each imputation; one that is not a number is
 /// missing. `first` says which subjects are of the first group. `None` where a group has fewer than two values in some imputation, or all values are
-/// equal in each.
+/// equal in each. Values equal but for [rounding](TIE) are one.
 pub fn compare(imputations: &[Vec<f64>], first: &[bool], seed: u64) -> Option<GroupDifference> {
     // Values that are sure are the same in all.
     let same = imputations.windows(2).all(|pair| pair[0].iter().map(|x| x.to_bits()).eq(pair[1].iter().map(|x| x.to_bits())));
     let imputations = if same { &imputations[..1] } else { imputations };
+    // Who never has the measure is not divided.
+    let known: Vec<usize> = (0..first.len()).filter(|row| imputations.iter().any(|values| values[*row].is_finite())).collect();
+    let first = &*known.iter().map(|row| first[*row]).collect::<Vec<bool>>();
+    let imputations = imputations.iter().map(|values| tied(known.iter().map(|row| values[*row]).collect()));
+    let imputations: Vec<Vec<f64>> = imputations.collect();
     let ranked: Vec<Ranks> = imputations.iter().map(|values| Ranks::of(values)).collect();
     if ranked.iter().all(|ranks| ranks.is_constant) {
         return None;
     }
-    let deltas: Vec<[f64; 2]> = imputations.iter().map(|values| delta_and_variance(values, first)).collect::<Option<_>>()?;
-    let mean = |of: &dyn Fn(&[f64; 2]) -> f64| deltas.iter().map(of).sum::<f64>() / deltas.len() as f64;
+    let deltas: Vec<[f64; 3]> = imputations.iter().map(|values| delta_and_variance(values, first)).collect::<Option<_>>()?;
+    let mean = |of: &dyn Fn(&[f64; 3]) -> f64| deltas.iter().map(of).sum::<f64>() / deltas.len() as f64;
     let (delta, within) = (mean(&|d| d[0]), mean(&|d| d[1]));
     // The rules of Rubin (1987, Multiple Imputation for Nonresponse in Surveys, section 3.3).
     let count = deltas.len() as f64;
@@ -56,8 +61,7 @@ pub fn compare(imputations: &[Vec<f64>], first: &[bool], seed: u64) -> Option<Gr
     let total = within + extra;
     let doubt = if total > 0.0 { extra / total } else { 0.0 };
     let width = if extra > 0.0 { student((count - 1.0) / (doubt * doubt)) } else { Z };
-    let sizes = [true, false].map(|group| first.iter().filter(|of| **of == group).count());
-    let interval = interval(delta, total.sqrt(), width, sizes[0].min(sizes[1]) as f64);
+    let interval = interval(delta, total.sqrt(), width, deltas.iter().map(|d| d[2]).fold(f64::INFINITY, f64::min));
     Some(GroupDifference { delta, interval, doubt, p: permutation_test(&ranked, first, delta, seed) })
 }
 
@@ -78,8 +82,21 @@ pub fn drawn_by_weight(weights: &[f64], draws: usize, seed: u64, number: u64) ->
     (0..draws).map(|_| draw()).collect()
 }
 
-/// δ and its variance, unbiased but for the least that it may be (Cliff 1993, eq. 7).
-fn delta_and_variance(values: &[f64], first: &[bool]) -> Option<[f64; 2]> {
+/// The same values, where one that is larger than another by rounding alone is that.
+fn tied(mut values: Vec<f64>) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..values.len()).filter(|at| values[*at].is_finite()).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let rounding = TIE * order.iter().map(|at| values[*at].abs()).fold(0.0, f64::max);
+    for pair in order.windows(2) {
+        if values[pair[1]] - values[pair[0]] <= rounding {
+            values[pair[1]] = values[pair[0]];
+        }
+    }
+    values
+}
+
+/// δ, its variance, unbiased but for the least that it may be (Cliff 1993, eq. 7), and the size of the smaller group.
+fn delta_and_variance(values: &[f64], first: &[bool]) -> Option<[f64; 3]> {
     let group = |of: bool| values.iter().zip(first).filter(move |(x, is)| x.is_finite() && **is == of).map(|(x, _)| *x);
     let (a, b): (Vec<f64>, Vec<f64>) = (group(true).collect(), group(false).collect());
     if a.len().min(b.len()) < LEAST {
@@ -93,7 +110,7 @@ fn delta_and_variance(values: &[f64], first: &[bool]) -> Option<[f64; 2]> {
     let squares = |of: &[f64]| of.iter().map(|d| (d - delta).powi(2)).sum::<f64>();
     let all: f64 = a.iter().flat_map(|x| b.iter().map(move |y| (sign(*x, *y) - delta).powi(2))).sum();
     let variance = (m * m * squares(&of_a) + n * n * squares(&of_b) - all) / (n * m * (n - 1.0) * (m - 1.0));
-    Some([delta, variance.max((1.0 - delta * delta) / (n * m - 1.0))])
+    Some([delta, variance.max((1.0 - delta * delta) / (n * m - 1.0)), n.min(m)])
 }
 
 /// The interval of δ, which lies nearer to zero than to ±1 (Feng and Cliff 2004, doi:10.22237/jmasm/1099267500); `width` in standard errors, `least` is

@@ -20,7 +20,7 @@ use willis_core::decision::{
 };
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::{Frame, Network, Origin, cycles, fragments, millimetres};
+use willis_core::network::{Evidence, Frame, Network, Origin, cycles, fragments, millimetres};
 use willis_core::sampling::{Likelihood, Snapshot};
 use willis_core::support::geometry::{Point, centroid, sub};
 use willis_io::formats::{
@@ -320,7 +320,9 @@ const STANDS_FOR: [(&str, &str); 3] = [("loose_mm", PART), ("loop_mm", LOOP), ("
 const ATTACHED: [&str; 2] = ["attached_a", "attached_b"];
 /// That with the score of the fragment of a node for being attached to nothing.
 const ALONE: &str = "alone";
-const EXACT: [&str; 7] = ["likelihood", "std_error", "frequency", "probability", ATTACHED[0], ATTACHED[1], ALONE];
+/// That with the probability before the decisions that the run was made with.
+const STATED: &str = "stated";
+const EXACT: [&str; 8] = ["likelihood", "std_error", "frequency", "probability", STATED, ATTACHED[0], ATTACHED[1], ALONE];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec<Column>; 2], figures: Vec<PagePicture>) -> Page {
@@ -373,10 +375,12 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
     // The number of a vessel in review.csv, by which the list and the rings of pictures have it.
     of_asked("rank", &mut asked.iter().zip(1..).map(|(one, rank)| (one.row, f64::from(rank))));
     if evidence {
-        // What a decision changes, and the rule weighs, for the page to follow it.
-        let attached =
-            |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, |e| e.attached[end]));
-        columns.extend(ATTACHED.into_iter().zip(0..).map(|(name, end)| Column::real(name, attached(end))));
+        // What a decision changes, and the rule weighs, for the page to follow it; before decisions, so that each can be taken back.
+        let before = outcome.undecided.as_deref().unwrap_or(outcome.network);
+        let stated = |of: fn(Evidence) -> f64| before.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, of));
+        columns.extend(outcome.undecided.as_ref().map(|_| Column::real(STATED, stated(|e| e.probability))));
+        columns.push(Column::real(ATTACHED[0], stated(|e| e.attached[0])));
+        columns.push(Column::real(ATTACHED[1], stated(|e| e.attached[1])));
         nodes.push(Column::real(ALONE, outcome.network.nodes().map(|node| node.root_score.unwrap_or(f64::NAN))));
     }
     let table = |title: &str, columns, of_vessels| PageTable::with_exact(title, columns, &EXACT, of_vessels);

@@ -27,6 +27,14 @@ class Decisions {
     this.isFirst = true;
     this.follow();
     this.isFirst = false;
+    // Another tab with this page decided; what it kept is what holds here, too.
+    window.addEventListener("storage", ({ key, newValue }) => {
+      if (key !== this.key) return;
+      if (newValue === null) Object.assign(this, { made: new Map(), history: [], edits: [] });
+      else this.restore();
+      this.follow();
+      this.changed();
+    });
     // A page of a cohort that shows this one may keep what was decided.
     window.addEventListener("message", ({ source, data: said }) => {
       if (source !== parent || said?.willis !== "load" || this.made.size + this.edits.length) return;

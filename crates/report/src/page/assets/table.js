@@ -1,7 +1,7 @@
 // A table that sorts by any column, filters by text, and shows a page of its rows at a time.
 const ROWS_A_PAGE = 100, ROWS_IN_PRINT = 3000;
 // Columns that the page computes with and that the tables leave out.
-const UNSHOWN = new Set(["uncertain", "loose_mm", "loop_mm", "touch_mm", "touch_gain_mm", "rank", "attached_a", "attached_b", "alone"]);
+const UNSHOWN = new Set(["uncertain", "loose_mm", "loop_mm", "touch_mm", "touch_gain_mm", "rank", "stated", "attached_a", "attached_b", "alone"]);
 
 // A name that may go on in another line after each of its words.
 const worded = name => name.split(/(?<=_)/).flatMap((word, at) => at ? [make("wbr"), word] : [word]);

@@ -6,6 +6,7 @@ class Threshold {
     const values = name => vessels.find(name)?.values ?? new Float64Array(vessels.rows).fill(NaN);
     this.rows = vessels.rows;
     this.values = values(source.figure);
+    this.isByChance = source.figure === "probability";
     this.uncertain = values(source.uncertain);
     this.undecided = values(source.undecided);
     this.loose = values("loose_mm");
@@ -16,7 +17,10 @@ class Threshold {
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
-    this.probability = vessels.find("probability")?.values ?? null;
+    // What the run says, and what it said before the decisions that it was made with.
+    this.ofRun = vessels.find("probability")?.values ?? null;
+    this.probability = vessels.find("stated")?.values ?? this.ofRun;
+    this.made = new Map((data.record.parameters?.decisions?.made ?? []).filter(of => of.accepted !== null).map(of => [of.edge, of.accepted]));
     // The law of the rule of the run with its figures, and what it weighs, to follow it after a decision.
     const [followed, figures] = Object.entries(source.rule || {})[0] || [];
     this.law = followed && LAWS[followed];
@@ -39,7 +43,7 @@ class Threshold {
     this.kept = new Uint8Array(this.rows);
     this.open = new Uint8Array(this.rows);
     // What a person decided, by row: true where the connection was accepted.
-    this.decided = new Map();
+    this.decided = this.made;
     this.toRun();
   }
 
@@ -83,20 +87,21 @@ class Threshold {
     if (this.asKept && Boolean(passes) === Boolean(this.asKept[row])) return Boolean(this.undecided[row]);
     const error = this.errorOf(row);
     if (flip === null) return Boolean(this.midway) && Number.isNaN(error);
+    if (this.isByChance && this.figureOf(row) === 0) return false;
     return !(Math.abs(this.figureOf(row) - flip) >= this.within * error);
   }
 
   // The same given what a person decided: near where the rule turns, left open, or kept though improbable; not with a far more probable
   // one in its place.
   isOpenByRule(row, flip) {
-    const { kept, left, instead } = this.followed, p = this.chance(row), near = Math.abs(p - flip) < this.band;
+    const { kept, left, instead } = this.followed, p = this.chance(row), near = p > 0 && Math.abs(p - flip) < this.band;
     if (this.law.oneByOne || !(p < flip)) return near || left.has(row);
     return !(instead.has(row) && this.chance(instead.get(row)) - p >= this.band) && (near || left.has(row) || Boolean(kept[row]));
   }
 
   // The figure that is compared with the threshold; a probability is that given what a person decided.
   figureOf(row) {
-    return this.values === this.probability ? this.chance(row) : this.values[row];
+    return this.isByChance ? this.chance(row) : this.values[row];
   }
 
   // Where a decision would change: at the threshold, or midway between the two positive figures next to it. Where the rule of the run
@@ -112,6 +117,8 @@ class Threshold {
   set(cut, asRun = false) {
     this.now = cut;
     this.asRun = asRun;
+    // Whether the decisions are those that the run was made with.
+    this.isAsMade = this.decided.size === this.made.size && [...this.decided].every(([row, said]) => this.made.get(row) === said);
     // Per node its fragment without and with what a person accepted.
     [this.apart, this.joined] = [row => this.isObserved(row) || !this.uncertain[row], row => this.isGiven(row)].map(has => parts(this.nodes, this.rows, this.ends, has).of);
     const flip = this.flip();
@@ -141,7 +148,7 @@ class Threshold {
 
   // What the rule of the run keeps given the decisions of a person, as a run with them does; null where it does not follow them.
   byRule() {
-    if (!this.asKept || !this.decided.size) return null;
+    if (!this.asKept || this.isAsMade) return null;
     return this.law.keeps(this, this.ruled);
   }
 
@@ -152,6 +159,7 @@ class Threshold {
 
   // The probability of a vessel given what a person decided.
   chance(row) {
+    if (this.ofRun && this.isAsMade) return this.ofRun[row];
     return this.probability ? this.follows(row).p : this.decided.has(row) ? Number(this.decided.get(row)) : NaN;
   }
 
@@ -199,9 +207,8 @@ class Threshold {
     let wrong = 0, missed = 0;
     const pairs = new Map(), fragment = this.joined;
     for (let row = 0; row < this.rows; row++) {
-      const stated = this.probability[row];
-      if (Number.isNaN(stated)) continue;
-      const p = this.decided.size ? this.chance(row) : stated, kept = this.kept[row];
+      if (Number.isNaN(this.probability[row])) continue;
+      const p = this.chance(row), kept = this.kept[row];
       if (kept) wrong += 1 - p;
       const [a, b] = this.ends.map(of => fragment[of[row]]);
       if (a === b) { missed += kept ? 0 : p; continue; }

@@ -5,8 +5,10 @@ class Walk {
   constructor(order) {
     Object.assign(this, { order, at: -1, key: `willis cohort ${location.pathname} ${data.command}` });
     // By subject `{csv, made, open}`.
-    this.kept = new Map();
-    try { this.kept = new Map(JSON.parse(localStorage.getItem(this.key)) ?? []); } catch { /* The browser keeps nothing. */ }
+    const restore = () => { try { this.kept = new Map(JSON.parse(localStorage.getItem(this.key)) ?? []); } catch { this.kept = new Map(); } };
+    restore();
+    // Another tab with this page goes through subjects, too.
+    window.addEventListener("storage", ({ key }) => { if (key === this.key) { restore(); this.show(); } });
     byId("walk-begin").hidden = order.length === 0;
     byId("walk-begin").addEventListener("click", () => this.go(Math.max(order.findIndex(row => !this.isDone(row)), 0)));
     byId("walk-back").addEventListener("click", () => this.go(this.at - 1));
