@@ -66,6 +66,8 @@ class Person:
             if state != UNKNOWN:
                 self.neighbours[a].add(b)
                 self.neighbours[b].add(a)
+        # What a run said is wrong is not said again.
+        self.refused = set()
         self.first = self.infer("0", [])
         self.gaps = {frozenset(pair[:2]) for pair in self.near if pair[3] == "gap"}
         self.rows, self.right = proofread.truth(self.case, self.first)
@@ -118,6 +120,7 @@ class Person:
                 if not line:
                     raise
                 print(f"{self.folder.name}: {refused}", file=sys.stderr)
+                self.refused.add(made[int(line[1]) - 2])
                 decisions.remove(made[int(line[1]) - 2])
 
     def listed(self, decisions):
@@ -309,7 +312,7 @@ class Person:
                 if len(fresh) < AT_ONCE:
                     put.add((kind, row))
                     said = self.where(at, net, absent) if kind == "part" else self.answers(kind, row, at, absent)
-                    fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh]
+                    fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh and one not in self.refused]
             decisions += fresh
             out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
             while counts and len(decisions) >= counts[0]:
