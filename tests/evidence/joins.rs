@@ -120,7 +120,7 @@ fn a_model_is_read_as_it_was_written_and_faults_are_named() {
         }
     };
     wrong("\"log_gap\"", "\"log_gasp\"", &["features", "\"log_gasp\"", "did you mean \"log_gap\""]);
-    wrong("kind = \"skeleton\"", "kind = \"skeletons\"", &["model.toml:10: ", "`skeletons`", "`skeleton`"]);
+    wrong("kind = \"skeleton\"", "kind = \"skeletons\"", &["model.toml:10: ", "\"skeletons\"", "\"skeleton\""]);
     wrong("trees = [\n    \"", "trees = [\n    \"9999<0 1 2\",\n    \"", &["pass 1 tree 1", "feature 9999"]);
     wrong("trees = [\n    \"", "trees = [\n    \"1<0 1\",\n    \"", &["do not match", "3<0.25 -0.1 0.2"]);
     wrong("calibration = [", "calibration = [nan, ", &["expected"]);

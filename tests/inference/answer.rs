@@ -1,12 +1,17 @@
 //! The answer to likelihoods made up so that it can be read off: threshold, kept, undecided.
 
 use willis::internals::decision::{Decision, Keep};
-use willis::internals::network::Network;
+use willis::internals::network::{Network, Node, Origin, Vessel};
 use willis::internals::sampling::Likelihood;
 
-/// The rules on samples ask nothing of the network.
+/// The rules on samples ask nothing of the network but whether A is 0.
 fn decide(rule: Keep, result: &Likelihood) -> Decision {
-    willis::internals::decision::decide(rule, &Network::new(), result).unwrap()
+    let mut network = Network::new();
+    let ends = [0, 1].map(|_| network.add_node(Node::default()));
+    for _ in &result.likelihood {
+        network.add_vessel(ends, Vessel::new(0.01, 0.001, Origin::Candidate));
+    }
+    willis::internals::decision::decide(rule, &network, result).unwrap()
 }
 
 /// Uncertain vessels with these L and standard errors.

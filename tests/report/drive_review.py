@@ -119,10 +119,11 @@ def expects(page, record):
     return f"{about(wrong)} expected to be wrong, {about(missed)} missed" in page.text("#answer-words")
 
 
-def check_replayed(page, folder, decided, start):
+def check_replayed(page, folder, listed, start):
     """The page of a run with decisions says what that run does; where they are taken back, what the run without them does."""
     new = type(page)(page.driver, folder)
-    others = lambda: [row for row in new.listed() if row not in decided and page.is_uncertain(page.edges[row])]
+    decided = {row: d["decision"] for row, d in listed.items() if d["decision"] != "unsure"}
+    others = lambda: [row for row in new.listed() if row not in listed and page.is_uncertain(page.edges[row])]
     assert all(says(new, row, float(new.edges[row]["probability"])) for row in others()) and expects(new, new.record)
     found = new.record["counts"]["topology"]
     assert new.counts()["undecided"] == new.record["convergence"]["undecided"] and new.counts()["components"] == found["components"]
@@ -236,8 +237,7 @@ def check_decisions(page, downloads):
     kept = sum(page.is_uncertain(e) and e["kept"] == "1" for e in again)
     assert (after["kept"], after["undecided"]) == (kept, record["convergence"]["undecided"]), (after, kept)
     assert expects(page, record), (record["expected_errors"], page.text("#answer-words"))
-    decided = {row: d["decision"] for row, d in listed.items() if d["decision"] != "unsure"}
-    check_replayed(page, page.folder.parent / replayed, decided, start)
+    check_replayed(page, page.folder.parent / replayed, listed, start)
     # Without places it is a list for rows of this graph alone.
     bare = Path(downloads) / "bare.csv"
     with open(bare, "w", newline="") as file:
