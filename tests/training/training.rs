@@ -174,7 +174,9 @@ fn a_connection_is_one_however_it_is_told() {
         if truth.is_empty() {
             fs::remove_file(case.join("truth.json")).expect("a file");
         }
-        more.iter().for_each(|(name, text)| fs::write(case.join(name), text).expect("a file"));
+        for (name, text) in more {
+            fs::write(case.join(name), text).expect("a file");
+        }
         read_cases(&[here.path().join(name)], Model::Tracing).map(|found| found.cases)
     };
     let links = |rows: &str| format!("ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm\n{rows}");

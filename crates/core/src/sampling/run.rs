@@ -223,14 +223,12 @@ impl Sampling {
     /// The likelihoods, from a part that is the whole run.
     pub fn likelihood(&self, part: &PartialRun) -> Likelihood {
         let sums = part.total().unwrap_or_default();
-        match self.scaled_to {
-            Some(samples) => Likelihood::exact(sums, self.uncertain.clone(), samples),
-            None => {
-                let mut found = Likelihood::new(sums, self.uncertain.clone(), part.trace());
-                self.never.iter().for_each(|row| found.std_error[*row] = 0.0);
-                found
-            }
+        if let Some(samples) = self.scaled_to {
+            return Likelihood::exact(sums, self.uncertain.clone(), samples);
         }
+        let mut found = Likelihood::new(sums, self.uncertain.clone(), part.trace());
+        self.never.iter().for_each(|row| found.std_error[*row] = 0.0);
+        found
     }
 }
 
