@@ -154,7 +154,8 @@ def measure(
     ``measures``, columns of ``subjects``. ``readers`` are the decisions of two readers on the connections of runs, with ``{}`` for the input.
     """
     with tempfile.TemporaryDirectory() as temporary, _with_folder(source) as given:
-        folder, reading = Path(temporary), []
+        folder = Path(temporary)
+        reading: list[str] = []
         if isinstance(given, Network):
             given, reading = file_of(given, folder)
         made = words(
