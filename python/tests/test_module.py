@@ -458,6 +458,10 @@ def test_measures_are_those_of_the_command(tmp_path):
         assert of_tree.ends["role"].tolist() == ["inlet"] + 3 * ["outlet"] and of_tree.subjects["subject"].tolist() == ["tree"]
         assert of_tree.vessels["generation"].tolist() == [0, 1, 1, 2, 2]
     assert of_tree.subjects["length_mm"] == pytest.approx(10 * willis.measure(str(tree)).subjects["length_mm"])
+    # What was read stays what it is where the file becomes another.
+    network = willis.read(tree)
+    tree.write_text("1 0 0 0 0 2 -1\n2 0 10 0 0 2 1\n")
+    assert willis.measure(network).vessels["length_mm"].sum() == pytest.approx(network.edges["length_mm"].sum())
     run = willis.infer(BROKEN, samples=10, progress=False)
     measured = willis.measure(run)
     assert measured.subjects["length_mm"][0] == pytest.approx(run.topology.edges["length_mm"].sum())

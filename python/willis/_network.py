@@ -42,6 +42,8 @@ class Network:
 
     def __init__(self, scan: _willis.Scan, made: Recipe, reading: Sequence[str] = ()) -> None:
         self._scan, self._made, self._reading = scan, made, list(reading)
+        # Of the file that it was read from.
+        self._stamp = (0, 0)
 
     @property
     def nodes(self) -> Table:
@@ -225,10 +227,18 @@ def read(
     return _read(Path(path).absolute(), Path(path), words(given, defaults_of(read)))
 
 
+def _stamp(place: Path) -> tuple[int, int]:
+    """When a file was written last, and its size: another one, or a changed one, has others."""
+    found = place.stat() if place.exists() else None
+    return (found.st_mtime_ns, found.st_size) if found else (0, 0)
+
+
 def _read(place: Path, name: Path, reading: list[str], run: bool = False) -> Network:
+    stamp = _stamp(place)
     # By the name that was given, unless that leads elsewhere by now.
     scan = _willis.read(name if name.absolute() == place else place, reading, run)
     network = Network(scan, (_read, (place, name, reading, run)), reading)
+    network._stamp = stamp
     _tell_of(network)
     return network
 
@@ -246,10 +256,10 @@ def read_packed(name: str, packed: bytes, reading: list[str]) -> Network:
 
 
 def file_of(network: Network, folder: Path) -> tuple[Path, list[str]]:
-    """The file that a network was read from, which may say by its lines where blood enters, and how; else a new one in a folder."""
+    """The file that a network was read from, if it is as it was, which may say by its lines where blood enters, and how; else a new one in a folder."""
     made, of = network._made
     if "--observed" not in network._reading:
-        if made is _read and of[0].is_file():
+        if made is _read and of[0].is_file() and network._stamp == _stamp(of[0]):
             return of[0], network._reading
         if made is read_packed:
             (folder / of[0]).write_bytes(of[1])

@@ -178,7 +178,7 @@ impl Inference {
         let topology = |kept: &[bool]| Topology::of(network, &result.uncertain, kept, &boundary.held(network, |row| kept[row]));
         Outcome {
             network,
-            undecided: prepared.without_decisions(),
+            without_decisions: prepared.without_decisions(),
             own_nodes: *own_nodes,
             boundary,
             suggested_cuts: &contacts.suggested,

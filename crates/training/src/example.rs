@@ -211,7 +211,8 @@ impl Folds {
         require(count == 0 || (2..=subjects.len()).contains(&count), "folds", count, accepted)?;
         let taken: BTreeSet<usize> = subjects.iter().map(|subject| fold_of(subject, count)).collect();
         let names = if taken.len() < count { subjects } else { BTreeSet::new() };
-        Ok(Self { count, dealt: names.into_iter().enumerate().map(|(at, name)| (name.to_owned(), at % count)).collect() })
+        let (folds, _) = dealt(names.iter().copied(), count);
+        Ok(Self { count, dealt: names.into_iter().map(str::to_owned).zip(folds).collect() })
     }
 
     /// The fold of a subject, counted from 0.

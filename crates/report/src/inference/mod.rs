@@ -376,9 +376,9 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
     of_asked("rank", &mut asked.iter().zip(1..).map(|(one, rank)| (one.row, f64::from(rank))));
     if evidence {
         // What a decision changes, and the rule weighs, for the page to follow it; before decisions, so that each can be taken back.
-        let before = outcome.undecided.as_deref().unwrap_or(outcome.network);
+        let before = outcome.without_decisions.as_deref().unwrap_or(outcome.network);
         let stated = |of: fn(Evidence) -> f64| before.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, of));
-        columns.extend(outcome.undecided.as_ref().map(|_| Column::real(STATED, stated(|e| e.probability))));
+        columns.extend(outcome.without_decisions.as_ref().map(|_| Column::real(STATED, stated(|e| e.probability))));
         columns.push(Column::real(ATTACHED[0], stated(|e| e.attached[0])));
         columns.push(Column::real(ATTACHED[1], stated(|e| e.attached[1])));
         nodes.push(Column::real(ALONE, outcome.network.nodes().map(|node| node.root_score.unwrap_or(f64::NAN))));

@@ -44,7 +44,7 @@ pub struct Outcome<'a> {
     /// The over-connected graph.
     pub network: &'a Network,
     /// The same without what a person decided on connections, row for row; none where nobody did.
-    pub undecided: Option<Cow<'a, Network>>,
+    pub without_decisions: Option<Cow<'a, Network>>,
     /// The rows of its first nodes that are the input's own, which no file of a topology leaves out.
     pub own_nodes: usize,
     /// Its boundary conditions.
