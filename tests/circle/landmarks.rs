@@ -406,6 +406,18 @@ fn landmarks_far_from_any_end_are_told() {
         "{told}"
     );
     assert_eq!(found, 2);
+    // Of several subjects it is one note, without its figures and with every word of it.
+    let renumbered = |line: &str| match line.split(' ').collect::<Vec<_>>()[..] {
+        [id, kind, x, y, z, radius, parent] if !line.starts_with('#') => {
+            let other = |id: &str| id.parse::<i32>().map_or(-1, |id| if id > 0 { id + 100 } else { id });
+            format!("{} {kind} {x} {y} {z} {radius} {}\n", other(id), other(parent))
+        }
+        _ => format!("{line}\n"),
+    };
+    fs::write(here.path().join("b.swc"), circle("", 1.0).lines().map(renumbered).collect::<String>()).expect("written");
+    let output = willis(here.path(), &["infer", "a.swc", "b.swc", "-o", "both", "--landmarks", "l.json", "-n", "64"]);
+    let told = stderr(&output);
+    assert!(told.contains("but the vessel runs on at node …, which is no free end") && told.contains("(2 subjects)"), "{told}");
 }
 
 /// The folder of a run answers from anywhere, without the file of landmarks; an edited copy is refused.

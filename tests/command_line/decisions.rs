@@ -95,14 +95,14 @@ fn a_list_for_another_input_or_graph_is_refused_by_line_and_edge() {
 #[test]
 fn a_list_is_read_and_what_is_wrong_is_named() {
     let list =
-        b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n11,8,9,unsure,,,\n";
+        b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,NA,\n11,8,9,unsure,,,\n";
     let read = read_decisions(list).expect("a list").connections;
     assert_eq!(
         (read[0].made.edge, read[0].made.accepted, &*read[0].ids[1], &*read[0].made.who),
         (7, Some(true), "2:3", "Doe, J")
     );
     assert_eq!((read[1].made.edge, read[1].made.accepted, read[1].line), (9, Some(false), 3));
-    assert_eq!(read[2].made.accepted, None);
+    assert_eq!((read[2].made.accepted, &*read[1].made.who, &*read[2].made.who), (None, "NA", ""), "NA is a person here");
     for (text, word) in [
         ("edge,id_a,id_b\n1,a,b\n", "decision"),
         ("edge,id_a,id_b,decision\n1,a,b,perhaps\n", "\"perhaps\""),

@@ -251,10 +251,12 @@ def check_decisions(page, downloads):
         page.click("#undo")
     assert page.counts() == start
     spoiled = Path(downloads) / "spoiled.csv"
-    spoiled.write_text(target.read_text().replace(",reject,", ",perhaps,"))
-    page.one("#load").send_keys(str(spoiled))
-    page.settle()
-    assert "perhaps" in page.text("#load-note") and page.counts() == start, page.text("#load-note")
+    of_all = target.read_text()
+    for text, word in [(of_all.replace(",reject,", ",perhaps,"), "perhaps"), (of_all + of_all.splitlines()[1] + "\n", "comes again")]:
+        spoiled.write_text(text)
+        page.one("#load").send_keys(str(spoiled))
+        page.settle()
+        assert word in page.text("#load-note") and page.counts() == start, page.text("#load-note")
     page.one("#load").send_keys(str(target))
     page.settle()
     assert page.counts() == after and state(page, rows[0]) == "accepted", page.text("#load-note")

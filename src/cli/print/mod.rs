@@ -347,15 +347,16 @@ pub fn counted<'a>(notes: impl IntoIterator<Item = &'a str>) -> BTreeMap<String,
 
 /// A note with `…` for every figure, and one word for one thing and several.
 fn without_figures(note: &str) -> String {
-    let word = |word: &str| {
+    let mut counts = false;
+    let mut word = |word: &str| {
         let figure = word.trim_matches(['(', ')', ',', ';', ':']);
         let is_figure =
             figure.starts_with(|c: char| c.is_ascii_digit() || c == '-') && figure.ends_with(|c: char| c.is_ascii_digit());
-        match (is_figure, word) {
-            (true, _) => word.replace(figure, "…"),
-            (_, "point" | "vessel" | "link" | "edge") => format!("{word}s"),
+        match (std::mem::replace(&mut counts, is_figure), is_figure, word) {
+            (_, true, _) => word.replace(figure, "…"),
+            (true, _, "point" | "vessel" | "link" | "edge" | "speck" | "spur") => format!("{word}s"),
             _ => word.to_owned(),
         }
     };
-    note.split(' ').map(word).collect::<Vec<_>>().join(" ")
+    note.split(' ').map(&mut word).collect::<Vec<_>>().join(" ")
 }

@@ -267,7 +267,7 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     let mut all = ListedDecisions::default();
     let mut lines: HashMap<usize, usize> = HashMap::new();
     while let Some(row) = rows.row()? {
-        let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
+        let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.written(column).to_owned());
         let (word, line, who, when, comment) = (row.text(decision), row.line, text(who), text(when), text(comment));
         let placed = text(stated);
         if Edit::WORDS.contains(&word) {

@@ -132,8 +132,12 @@ impl<'a> TableReader<'a> {
 impl Row<'_> {
     /// The text of a column; empty where the row has none, or a missing value.
     pub fn text(&self, column: usize) -> &str {
-        let text = unescape_formula(self.fields.get(column).unwrap_or_default());
-        if is_missing(text) { "" } else { text }
+        Some(self.written(column)).filter(|text| !is_missing(text)).unwrap_or_default()
+    }
+
+    /// The words of a person in a column, where NA may be initials; empty where the row has none.
+    pub(crate) fn written(&self, column: usize) -> &str {
+        unescape_formula(self.fields.get(column).unwrap_or_default())
     }
 
     /// Texts that are not empty, with their columns.

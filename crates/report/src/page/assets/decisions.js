@@ -203,6 +203,7 @@ class Decisions {
       const ids = this.idsOf(row);
       if (ids[0] !== cell("id_a") || ids[1] !== cell("id_b")) fault(`edge ${row} joins ${cell("id_a")} to ${cell("id_b")} in the list, and ${ids.join(" to ")} here`);
       if (!["accept", "reject", "unsure"].includes(decision)) fault(`decision "${decision}"; expected accept, reject or unsure`);
+      if (changes.has(row)) fault(`edge ${row} comes again; expected one decision an edge`);
       changes.set(row, { decision, who: cell("who"), when: cell("when"), comment: cell("comment") });
     });
     if (edits.length || changes.size) this.put([...changes], edits.length ? edits : undefined);
