@@ -5,13 +5,17 @@ use crate::networks;
 use crate::networks::{radii, random_conditions, random_network, run};
 use crate::vessels;
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, infer};
 use willis::internals::support::elimination::graph::{BitMatrix, Lists};
-use willis::internals::support::elimination::order::{DENSE, MOST_IN_BITS, Star, by_degree, least_degree, least_fill};
+use willis::internals::support::elimination::order::{
+    DENSE, MOST_IN_BITS, Star, by_degree, fewest_joins, least_degree, least_fill,
+};
 
 /// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so. What a factorisation keeps of a drop that
 /// is itself 1e-8 of the pressure is less: 1e-15 of the largest L, for ρ is a drop squared.
@@ -212,6 +216,26 @@ fn a_large_graph_is_eliminated_in_the_same_order_in_parts() {
     assert!(whole == parts);
     let pairs: usize = whole.iter().map(Star::pairs).sum();
     assert!(least_degree(NODES, &links, pairs).is_some() && least_degree(NODES, &links, pairs - 1).is_none());
+}
+
+/// Leaves go first by either rule, so that what is left of trees with some loops has the order that the whole graph has.
+#[test]
+fn a_graph_without_its_leaves_is_eliminated_in_the_same_order() {
+    let mut filled = 0;
+    for seed in 0..300 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let nodes = random.random_range(1..120_usize);
+        let tree = (1..nodes).map(|node: usize| [node, random.random_range(node.saturating_sub(9)..node)]).collect::<Vec<_>>();
+        let more = (0..random.random_range(0..40)).map(|_| [0, 1].map(|_| random.random_range(0..nodes)));
+        let links: Vec<[usize; 2]> = tree.into_iter().chain(more.collect::<Vec<_>>()).filter(|[a, b]| (a + b) % 17 > 0).collect();
+        let by_degree = least_degree(nodes, &links, usize::MAX).expect("no limit");
+        let pairs = by_degree.iter().map(Star::pairs).sum();
+        let by_fill = least_fill(nodes, &links, pairs);
+        filled += usize::from(by_fill.is_some());
+        assert_eq!(fewest_joins(nodes, &links, usize::MAX), Some(by_fill.unwrap_or(by_degree)), "{seed}");
+        assert!(pairs == 0 || fewest_joins(nodes, &links, pairs - 1).is_none());
+    }
+    assert!((20..280).contains(&filled), "{filled} by least fill");
 }
 
 #[test]

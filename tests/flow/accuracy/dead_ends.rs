@@ -147,7 +147,7 @@ fn nothing_flows_in_a_dead_end() {
     for (node, ulps) in [(3, 3.0), (4, -2.0)] {
         found[node] = found[node].map(|p| p * (1.0 + ulps * f64::EPSILON));
     }
-    let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
+    let balanced = Balanced::of(&circuit, &circuit.conductance, &found, None);
     let flow = |row: usize| balanced.drop[row] * circuit.conductance[row];
     assert!((flow(0) / 1e3 - 1.0).abs() < 1e-12 && (flow(1) / 1e3 - 1.0).abs() < 1e-12);
     assert!(flow(2).abs() < 1e3 * AT_REST && flow(3).abs() < 1e3 * AT_REST, "{} {}", flow(2), flow(3));
@@ -169,7 +169,7 @@ fn vessels_in_series_carry_one_flow() {
             level: 0.0,
         };
         let found = BatchSolver::for_few(&circuit).expect("compiles").above_level(&circuit, |_| true).expect("solved");
-        let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
+        let balanced = Balanced::of(&circuit, &circuit.conductance, &found, None);
         let flow = 100.0 / (1.0 + 1.0 / stiff);
         for (drop, conductance) in balanced.drop.iter().zip(&circuit.conductance) {
             assert!((drop * conductance / flow - 1.0).abs() < 1e-12, "{stiff}: {}", drop * conductance);

@@ -87,7 +87,7 @@ impl Topologies {
                 debug_assert!(uncertain[row]);
                 tube.resistance = f64::INFINITY;
             }
-            let state = State::at_pressures(&circuit.in_sample(open), boundary, &tubes, params.viscosity, &above_level);
+            let state = State::at_pressures(&circuit.in_sample(open), boundary, &tubes, params.viscosity, &above_level, None);
             let mut kept: Vec<bool> = (0..tubes.len()).map(|row| !uncertain[row] || (open(row) && above_median[row])).collect();
             forest.clear();
             for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {

@@ -62,15 +62,24 @@ impl State {
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
         let circuit = Circuit::with(network, boundary, &[], tubes)?;
-        let above_level = BatchSolver::for_few(&circuit)?.above_level(&circuit, |row| tubes[row].is_open())?;
-        Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
+        let solver = BatchSolver::for_few(&circuit)?;
+        let above_level = solver.above_level(&circuit, |row| tubes[row].is_open())?;
+        Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level, Some(&solver)))
     }
 
     /// The state of `tubes` between the nodes of a circuit at the pressures that a solver found, Pa above its level. Where flows do not
-    /// balance at these to 1e-12, they are refined. The circuit's conditions are those that hold ([`Circuit::in_sample`]).
-    pub fn at_pressures(circuit: &Circuit, boundary: &Boundary, tubes: &[Tube], viscosity: f64, above: &[Option<f64>]) -> Self {
+    /// balance at these to 1e-12, they are refined. The circuit's conditions are those that hold ([`Circuit::in_sample`]). The `solver` of this
+    /// circuit, where there is one, need not be compiled again.
+    pub fn at_pressures(
+        circuit: &Circuit,
+        boundary: &Boundary,
+        tubes: &[Tube],
+        viscosity: f64,
+        above: &[Option<f64>],
+        solver: Option<&BatchSolver>,
+    ) -> Self {
         let conductance: Vec<f64> = tubes.iter().map(|tube| if tube.is_open() { 1.0 / tube.resistance } else { 0.0 }).collect();
-        let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above);
+        let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above, solver);
         let through = |(row, drop): (usize, &f64)| if tubes[row].is_open() { (drop / tubes[row].resistance).abs() } else { 0.0 };
         let is_beyond_rounding = |row: usize| match circuit.ends[row].map(|node| above_level[node]) {
             [Some(a), Some(b)] => is_diffused(drop[row], a + circuit.level, b + circuit.level),
@@ -149,7 +158,8 @@ pub struct Balanced {
 impl Balanced {
     /// The pressures that a solver found for vessels of these conductances (m³/(Pa s), zero where closed), refined where flows do not balance
     /// to 1e-12 of what passes a node; elsewhere they stay as they are, bit for bit. The circuit is that of one sample: its conditions hold.
-    pub fn of(circuit: &Circuit, conductance: &[f64], above_level: &[Option<f64>]) -> Self {
+    /// `solver` is one of that circuit, whatever its conductances.
+    pub fn of(circuit: &Circuit, conductance: &[f64], above_level: &[Option<f64>], solver: Option<&BatchSolver>) -> Self {
         debug_assert!(circuit.terminals.is_empty(), "a condition that may not hold");
         let drop = |[a, b]: &[usize; 2]| above_level[*a].zip(above_level[*b]).map_or(0.0, |(a, b)| a - b);
         let mut best = Self { above_level: above_level.to_vec(), drop: circuit.ends.iter().map(drop).collect() };
@@ -167,7 +177,8 @@ impl Balanced {
             level: 0.0,
             ..circuit.clone()
         };
-        let Ok(mut solver) = BatchSolver::for_few(&of_changes) else { return best };
+        let solver = solver.map_or_else(|| BatchSolver::for_few(&of_changes), |solver| solver.of_same_graph(&of_changes));
+        let Ok(mut solver) = solver else { return best };
         for _ in 0..ROUNDS {
             let before = total(&lacking);
             of_changes.source = lacking;

@@ -153,7 +153,7 @@ impl Job<'_> {
         let above_level = |node: usize, lane: usize| self.grounded[node].then(|| pressure(node, lane));
         let state = |(lane, tubes): (usize, &Vec<Tube>)| {
             let above_level: Vec<_> = (0..self.grounded.len()).map(|node| above_level(node, lane)).collect();
-            State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, &above_level)
+            State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, &above_level, Some(&self.solver))
         };
         Ok(instances.iter().enumerate().map(state).collect())
     }

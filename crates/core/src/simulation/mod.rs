@@ -212,7 +212,7 @@ pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before
         let mut tubes = at_rest.clone();
         tubes[*vessel].resistance = f64::INFINITY;
         let above_level = solver.above_level(&circuit, |row| tubes[row].is_open())?;
-        let after = State::at_pressures(&circuit, boundary, &tubes, viscosity, &above_level);
+        let after = State::at_pressures(&circuit, boundary, &tubes, viscosity, &above_level, Some(&solver));
         let cut = rounding(before, &after);
         let both = outlets.iter().zip(&had).zip(delivered(network, &after, &outlets));
         let pairs: Vec<(usize, f64, f64)> = both.map(|((node, before), after)| (*node, *before, after)).collect();

@@ -61,6 +61,18 @@ impl BatchSolver {
         Self::star_mesh(circuit, MOST_JOINS_ONCE).map_or_else(|| Self::gradients(circuit), Ok)
     }
 
+    /// The same for a circuit with the same vessels and free nodes, whatever its conductances, pressures and inflows.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::for_few`].
+    pub fn of_same_graph(&self, circuit: &Circuit) -> Result<Self> {
+        if self.core.is_some() {
+            return Self::gradients(circuit);
+        }
+        Ok(Self { mesh: self.mesh.of_same_graph(circuit), core: None })
+    }
+
     /// The core that conjugate gradients solve; none where elimination does it all.
     pub fn core(&self) -> Option<&ConjugateGradients> {
         self.core.as_ref()

@@ -66,8 +66,15 @@ impl StarMesh {
     /// Compiles what `order` makes of the free nodes, by their number, and of the links between them; `None` where it makes nothing.
     pub(super) fn compile(circuit: &Circuit, order: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
         let is_free = |node: usize| circuit.fixed[node].is_none();
-        let program = Elimination::among(circuit.node_count(), &circuit.ends, is_free, order)?;
+        Some(Self::with(circuit, Elimination::among(circuit.node_count(), &circuit.ends, is_free, order)?))
+    }
 
+    /// The same elimination for a circuit with the same vessels and free nodes.
+    pub(super) fn of_same_graph(&self, circuit: &Circuit) -> Self {
+        Self::with(circuit, self.program.clone())
+    }
+
+    fn with(circuit: &Circuit, program: Elimination) -> Self {
         let mut slot = vec![NOWHERE; circuit.node_count()];
         // Outlets of one pressure share its place.
         let (mut fixed, mut place_of) = (Vec::new(), HashMap::new());
@@ -92,13 +99,13 @@ impl StarMesh {
             }
         }
         let (mut shunt, mut source) = (vec![0.0; program.nodes()], vec![0.0; program.nodes()]);
-        for node in (0..circuit.node_count()).filter(|node| is_free(*node)) {
+        for node in (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none()) {
             shunt[slot[node] as usize] = circuit.shunt[node];
             source[slot[node] as usize] = circuit.source[node];
         }
         let holds = holds(circuit, &slot, &program);
         let vessels_of = program.rows_by_ray(links);
-        Some(Self { program, slot, vessels_of, grounds, shunt, source, fixed, holds })
+        Self { program, slot, vessels_of, grounds, shunt, source, fixed, holds }
     }
 
     /// Injects what is injected in a circuit that does not differ in anything else.

@@ -34,7 +34,7 @@ impl BitMatrix {
     }
 
     /// The neighbours in order of number.
-    pub fn neighbours(&self, node: usize) -> Vec<usize> {
+    pub fn neighbours(&self, node: usize) -> impl Iterator<Item = usize> {
         ones(self.row(node))
     }
 
@@ -52,7 +52,7 @@ impl BitMatrix {
                 found.iter_mut().zip(self.row(*node)).for_each(|(found, row)| *found |= row);
             }
         }
-        ones(&found)
+        ones(&found).collect()
     }
 }
 
@@ -63,7 +63,7 @@ impl Remaining for BitMatrix {
 
     fn eliminate(&mut self, center: usize) -> Vec<usize> {
         let around = self.row(center).to_vec();
-        let neighbours = ones(&around);
+        let neighbours: Vec<usize> = ones(&around).collect();
         for node in &neighbours {
             let row = &mut self.bits[node * self.words..(node + 1) * self.words];
             row.iter_mut().zip(&around).for_each(|(row, around)| *row |= around);
@@ -75,16 +75,15 @@ impl Remaining for BitMatrix {
 }
 
 /// The numbers of the bits that are set.
-fn ones(words: &[u64]) -> Vec<usize> {
-    let mut out = Vec::new();
-    for (at, word) in words.iter().enumerate() {
+fn ones(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().flat_map(|(at, word)| {
         let mut rest = *word;
-        while rest != 0 {
-            out.push(at * 64 + rest.trailing_zeros() as usize);
-            rest &= rest - 1;
-        }
-    }
-    out
+        std::iter::from_fn(move || {
+            let bit = (rest != 0).then(|| at * 64 + rest.trailing_zeros() as usize);
+            rest &= rest.saturating_sub(1);
+            bit
+        })
+    })
 }
 
 /// As a sorted list per node. What was removed may still stand in the lists of others, so that a leaf leaves a hub without a look at its list.

@@ -11,7 +11,7 @@ use super::{distinct, grouped, marked, placed};
 
 pub use order::{Star, least_degree};
 
-use order::{least_fill, low_degrees, reverse_cuthill_mckee};
+use order::{fewest_joins, low_degrees, reverse_cuthill_mckee};
 
 /// More pairs than these are not compiled, so that indices can count them.
 const MOST_INDEXED: usize = u32::MAX as usize / 2;
@@ -36,10 +36,7 @@ pub struct Elimination {
 impl Elimination {
     /// Orders the nodes and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
     pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
-        let stars = least_degree(nodes, links, limit.min(MOST_INDEXED))?;
-        let pairs = stars.iter().map(Star::pairs).sum();
-        let filled = least_fill(nodes, links, pairs);
-        Some(Self::of_stars(&filled.unwrap_or(stars), nodes))
+        Some(Self::of_stars(&fewest_joins(nodes, links, limit.min(MOST_INDEXED))?, nodes))
     }
 
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in

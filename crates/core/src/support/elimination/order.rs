@@ -1,6 +1,7 @@
 //! Elimination orders of a graph: least degree, least fill.
 
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use super::graph::{BitMatrix, Lists, Remaining};
 use crate::support::{marked, placed};
@@ -31,6 +32,18 @@ impl Star {
     }
 }
 
+/// The order of fewest joins: by least degree or by least fill. `None` for more than `limit` pairs by least degree.
+pub fn fewest_joins(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
+    // Both begin with the nodes of at most one neighbour, which are nearly all of a forest.
+    let (leaves, left) = low_degrees(nodes, links, 1, limit)?;
+    let rest = Rest::of(&leaves, &left);
+    let by_degree = least_degree(rest.nodes.len(), &rest.links, limit)?;
+    let pairs = by_degree.iter().map(Star::pairs).sum();
+    let may_fill = nodes <= FILL_NODES && pairs <= FILL_JOINS;
+    let by_fill = if may_fill { least_fill(rest.nodes.len(), &rest.links, pairs) } else { None };
+    Some(rest.after(leaves, by_fill.unwrap_or(by_degree)))
+}
+
 /// Eliminates the node of least degree, ties to the lower number, until none is left.
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
@@ -38,29 +51,46 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
     if nodes <= MOST_IN_BITS {
         return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
     }
-    let (mut stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
-    let pairs: usize = stars.iter().map(Star::pairs).sum();
-    stars.extend(of_the_rest(&stars, &left, limit - pairs)?);
-    Some(stars)
+    let (stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
+    let limit = limit - stars.iter().map(Star::pairs).sum::<usize>();
+    let rest = Rest::of(&stars, &left);
+    let dense = rest.nodes.len();
+    let last = if dense <= MOST_IN_BITS {
+        by_degree(dense, &mut BitMatrix::new(dense, &rest.links), usize::MAX, limit)
+    } else {
+        by_degree(dense, &mut Lists::new(dense, &rest.links), usize::MAX, limit)
+    }?;
+    Some(rest.after(stars, last))
 }
 
-/// The stars of the nodes that `gone` leaves, whose neighbours that remain are given; in the same order as if nobody had stopped.
-fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option<Vec<Star>> {
-    let is_gone = marked(neighbours.len(), gone.iter().map(|star| star.center));
-    let rest: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
-    let place = placed(neighbours.len(), rest.iter().copied());
-    let pairs = rest.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
-    let links: Vec<[usize; 2]> = pairs.map(|pair| pair.map(|node| place[node])).collect();
-    let mut stars = if rest.len() <= MOST_IN_BITS {
-        by_degree(rest.len(), &mut BitMatrix::new(rest.len(), &links), usize::MAX, limit)
-    } else {
-        by_degree(rest.len(), &mut Lists::new(rest.len(), &links), usize::MAX, limit)
-    }?;
-    for star in &mut stars {
-        star.center = rest[star.center];
-        star.neighbours.iter_mut().for_each(|node| *node = rest[*node]);
+/// What is left of a graph when some nodes are gone, numbered in the same order, so that ties go to the same nodes.
+struct Rest {
+    /// The nodes that are left, by their new number.
+    nodes: Vec<usize>,
+    /// The links between them.
+    links: Vec<[usize; 2]>,
+}
+
+impl Rest {
+    /// What the stars leave, from the neighbours that remain of each node.
+    fn of(gone: &[Star], neighbours: &[Vec<usize>]) -> Self {
+        let is_gone = marked(neighbours.len(), gone.iter().map(|star| star.center));
+        let nodes: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
+        let place = placed(neighbours.len(), nodes.iter().copied());
+        let pairs = nodes.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
+        let links = pairs.map(|pair| pair.map(|node| place[node])).collect();
+        Self { nodes, links }
     }
-    Some(stars)
+
+    /// The stars that are gone, and after them those of the rest.
+    fn after(&self, mut gone: Vec<Star>, mut rest: Vec<Star>) -> Vec<Star> {
+        for star in &mut rest {
+            star.center = self.nodes[star.center];
+            star.neighbours.iter_mut().for_each(|node| *node = self.nodes[*node]);
+        }
+        gone.append(&mut rest);
+        gone
+    }
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
@@ -96,16 +126,24 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>], among: impl Fn(usize) ->
     order
 }
 
+/// The degree, or the pairs to join, of a node that has been eliminated.
+const GONE: usize = usize::MAX;
+
 /// The stars of [`least_degree`] and [`low_degrees`].
 pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: usize) -> Option<Vec<Star>> {
     let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
-    let mut queue: BTreeSet<(usize, usize)> = degree.iter().copied().zip(0..nodes).filter(|(of, _)| *of <= most).collect();
+    let low = degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most);
+    let mut queue: BinaryHeap<Reverse<(usize, usize)>> = low.map(Reverse).collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
-    while let Some((least, center)) = queue.pop_first() {
+    while let Some(Reverse((least, center))) = queue.pop() {
+        // What has another degree by now stands further on; what is gone has none.
+        if degree[center] != least {
+            continue;
+        }
         if least + stars.len() + 1 == nodes {
-            // All that are left are joined to one another, and wait in the order of their numbers.
-            let rest: Vec<usize> = std::iter::once(center).chain(queue.iter().map(|(_, node)| *node)).collect();
+            // All that are left are joined to one another.
+            let rest: Vec<usize> = (0..nodes).filter(|node| degree[*node] != GONE).collect();
             pairs += (0..=least).map(|rays| rays * rays.saturating_sub(1) / 2).sum::<usize>();
             if pairs > limit {
                 return None;
@@ -118,12 +156,13 @@ pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: u
         if pairs > limit {
             return None;
         }
+        degree[center] = GONE;
         for node in &star.neighbours {
-            queue.remove(&(degree[*node], *node));
-            degree[*node] = graph.degree(*node);
-            if degree[*node] <= most {
-                queue.insert((degree[*node], *node));
+            let now = graph.degree(*node);
+            if now != degree[*node] && now <= most {
+                queue.push(Reverse((now, *node)));
             }
+            degree[*node] = now;
         }
         stars.push(star);
     }
@@ -132,29 +171,29 @@ pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: u
 
 /// Eliminates the node whose elimination joins the fewest pairs anew, ties to the lower degree, then the lower number.
 ///
-/// `None` when it does not end below `limit` pairs, or is not tried because the graph or `limit` is large.
+/// `None` when it does not end below `limit` pairs.
 pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    if limit > FILL_JOINS || nodes > FILL_NODES {
-        return None;
-    }
     let mut graph = BitMatrix::new(nodes, links);
     let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| figure(&graph, node)).collect();
-    let mut queue: BTreeSet<(usize, usize, usize)> = figures.iter().copied().collect();
+    let mut queue: BinaryHeap<Reverse<(usize, usize, usize)>> = figures.iter().copied().map(Reverse).collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
-    while let Some((fill, _, center)) = queue.pop_first() {
-        let star = Star { center, neighbours: graph.neighbours(center) };
+    while let Some(Reverse(least)) = queue.pop() {
+        let (fill, _, center) = least;
+        if figures[center] != least {
+            continue;
+        }
+        let star = Star { center, neighbours: graph.eliminate(center) };
+        figures[center].0 = GONE;
         pairs += star.pairs();
         if pairs >= limit {
             return None;
         }
         // A join changes the figure of its two ends and of whatever is next to them both.
-        graph.eliminate(center);
         for node in graph.surroundings(&star.neighbours, fill > 0) {
             let figure = figure(&graph, node);
             if figure != figures[node] {
-                queue.remove(&figures[node]);
-                queue.insert(figure);
+                queue.push(Reverse(figure));
                 figures[node] = figure;
             }
         }
@@ -165,8 +204,10 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
 
 /// The pairs of neighbours not joined yet, the degree, and the node.
 fn figure(graph: &BitMatrix, node: usize) -> (usize, usize, usize) {
-    let around = graph.neighbours(node);
-    let joined: usize = around.iter().map(|other| graph.shared(node, *other)).sum();
-    let pairs = around.len() * around.len().saturating_sub(1);
-    ((pairs - joined) / 2, around.len(), node)
+    let (mut degree, mut joined) = (0, 0);
+    for other in graph.neighbours(node) {
+        degree += 1;
+        joined += graph.shared(node, other);
+    }
+    ((degree * usize::saturating_sub(degree, 1) - joined) / 2, degree, node)
 }
