@@ -123,6 +123,32 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     assert_eq!(cycles(&graph), 0);
 }
 
+/// A candidate at the middle of the shared stretch of a crossing, which neither of the vessels has that part at its ends, goes on to where it ends then.
+#[test]
+fn points_of_a_candidate_end_at_its_nodes_where_a_contact_is_opened() {
+    let nodes =
+        [[0.0; 3], [1.0, 0.0, 0.0], [0.4, 0.0, 0.0], [-20.0, 0.0, 0.0], [0.0, -20.0, 0.0], [21.0, 0.0, 0.0], [1.0, 20.0, 0.0]];
+    for ends in [[2, 7], [7, 2]] {
+        let mut network =
+            network(&[&nodes[..], &[[0.4, 0.0, 9.0]]].concat(), &[[3, 0], [4, 0], [0, 2], [2, 1], [1, 5], [1, 6], ends]);
+        network.vessel_mut(6).origin = Origin::Candidate;
+        let branches = Branches::new(&network);
+        let beside = |end: &BranchEnd| usize::from(branches.branches[end.branch].vessels[0].0 > 3);
+        let of_end: Vec<usize> = branches.clusters[0].ends.iter().map(beside).collect();
+        assert_eq!(of_end.iter().filter(|block| **block == of_end[0]).count(), 2);
+        let of_end = of_end.iter().map(|block| usize::from(*block != of_end[0])).collect();
+        let blocks = Blocks { of_end, joined: vec![([0, 1], 0.25)], ..Blocks::default() };
+        let graph = split(&network, &branches, &[blocks], |p| p).graph;
+        let (now, candidate) = graph.vessels().find(|(_, vessel)| vessel.origin == Origin::Candidate).expect("a candidate");
+        assert_eq!(now.map(|node| node == 7), ends.map(|node| node == 7));
+        assert!(!now.contains(&2), "the middle is no junction any more: {now:?}");
+        for (node, point) in now.into_iter().zip([0, candidate.path.len() - 1]) {
+            assert_eq!(graph.node(node).position, Some(candidate.path[point].position));
+        }
+        assert_eq!((candidate.length, candidate.path.len()), (network.vessel(6).length, network.vessel(6).path.len() + 1));
+    }
+}
+
 #[test]
 fn margins_and_pairings_of_a_table_are_those_by_hand() {
     let table = PairTable::of(4, -9.0, |i, j| [[0.0, 5.0, 1.0, 2.0], [0.0, 0.0, 3.0, 0.5], [0.0, 0.0, 0.0, 4.0], [0.0; 4]][i][j]);

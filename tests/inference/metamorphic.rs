@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::draw::Draw;
 use willis::internals::network::{Origin, Role};
+use willis::internals::support::geometry::distance;
 use willis::{InferOptions, LengthUnit, ReadOptions, SamplingOptions, Scale};
 
 /// The side of the voxels of the brains of `../shared`, about, mm.
@@ -429,6 +430,13 @@ fn a_mask_that_lies_elsewhere_has_the_same_answer() {
             let input = willis::read_bytes(Path::new("mask.nii"), bytes, &ReadOptions::default()).expect("is read");
             let sampling = SamplingOptions { samples: 1, ..SamplingOptions::default() };
             let run = willis::infer(&input, &InferOptions { sampling, ..InferOptions::default() }).expect("runs");
+            // Whatever was cut apart, points run from node to node, so that the graph can be read again.
+            for (ends, vessel) in run.graph().vessels().filter(|(_, vessel)| !vessel.path.is_empty()) {
+                let ends = ends.map(|node| run.graph().node(node).position.expect("a place"));
+                let [first, last] = [0, vessel.path.len() - 1].map(|point| vessel.path[point].position);
+                let away = distance(ends[0], first).max(distance(ends[1], last));
+                assert!(away < 1e-9, "{name}: {:?} is {away} m off its nodes", vessel.origin);
+            }
             let of = |(ends, vessel): ([usize; 2], &willis::internals::network::Vessel)| (ends, vessel.origin, vessel.prior);
             (run.graph().vessels().map(of).collect::<Vec<_>>(), run.kept().to_vec())
         };

@@ -179,7 +179,12 @@ pub(crate) fn vessels(
     for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
         let [a, b] = ends.map(|end| network.node(end));
         let item = Item { record, name: Name::Edge(row, [&a.id, &b.id]) };
-        let path = path(&item, [a, b], reach)?;
+        let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
+        let origin = item.word("origin", known)?;
+        origins += usize::from(origin.is_some());
+        // Candidates of earlier versions may end a little beside a junction that was opened.
+        let is_candidate = origin == Some(Origin::Candidate);
+        let path = path(&item, [a, b], if is_candidate { f64::INFINITY } else { reach })?;
         let length = match length(&item, scale, *ends)? {
             Some(length) => length,
             None if path.is_empty() => {
@@ -189,7 +194,7 @@ pub(crate) fn vessels(
             None => length_of(&path),
         };
         let apart = a.position.zip(b.position).map_or(0.0, |(p, q)| distance(p, q));
-        too_short += usize::from(length < ROUNDED * apart);
+        too_short += usize::from(!is_candidate && length < ROUNDED * apart);
         let radius = match item.radius(scale)? {
             Some((key, radius)) if is_radius(radius) => {
                 if !key.starts_with("radius") || key == "radius_avg" {
@@ -214,9 +219,6 @@ pub(crate) fn vessels(
             }
             _ => RadiusRule::Mean.radius(&path),
         };
-        let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
-        let origin = item.word("origin", known)?;
-        origins += usize::from(origin.is_some());
         let certain = item.boolean("certain")?.unwrap_or(false);
         let evidence = evidence(&item, origin)?;
         let (evidence, earlier) = evidence.map_or((None, None), |(evidence, earlier)| (Some(Box::new(evidence)), earlier));

@@ -66,12 +66,18 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
             }
             continue;
         }
-        let ends = [0, 1].map(|side| {
-            let at_end = plan.node_of_vessel.get(&(row, side)).copied();
-            let moved = || plan.node_of_candidate.get(&ends[side]).copied().filter(|_| vessel.origin == Origin::Candidate);
-            at_end.or_else(moved).unwrap_or(ends[side])
-        });
-        row_of[row] = graph.add_vessel(ends, vessel.clone());
+        let moved = |side: usize| plan.node_of_candidate.get(&ends[side]).filter(|_| vessel.origin == Origin::Candidate);
+        let at_end = |side: usize| plan.node_of_vessel.get(&(row, side));
+        let now = [0, 1].map(|side| at_end(side).or_else(|| moved(side)).copied().unwrap_or(ends[side]));
+        let mut vessel = vessel.clone();
+        // Its points go on to where it ends now; its length stays, as that is inside of the vessels there.
+        if let (Some(first), Some(_)) = (vessel.path.first().copied(), moved(0)) {
+            vessel.path.insert(0, PathPoint { position: position(&graph, now[0]), ..first });
+        }
+        if let (Some(last), Some(_)) = (vessel.path.last().copied(), moved(1)) {
+            vessel.path.push(PathPoint { position: position(&graph, now[1]), ..last });
+        }
+        row_of[row] = graph.add_vessel(now, vessel);
     }
     let mut next = graph.vessel_count();
     let pairings =
