@@ -1,5 +1,6 @@
 //! Edits of a graph by places: each on a graph drawn by hand, whose right answer can be counted.
 
+use willis::internals::formats::{ReadOptions, graph_columns, read_graphml, write_graphml};
 use willis::internals::network::{Edit, Evidence, GraphEditor, Network, Node, Origin, Vessel, fragments};
 
 /// A network of straight vessels between nodes at these places (mm), with radii of 0.5 mm.
@@ -20,6 +21,19 @@ fn edited(graph: Network, text: &str) -> Result<Network, String> {
     let mut editor = GraphEditor::new(graph);
     editor.edit(&Edit::try_from(text.to_owned())?)?;
     Ok(editor.finish())
+}
+
+/// A file holds an edited graph to the last bit.
+#[test]
+fn an_edited_graph_is_the_same_once_it_was_written() {
+    let graph = edited(crossing(), "part 2.3 0.54 0 + 9.7 0.46 0 | 2.6 -0.48 0 + 9.1 -0.58 0").expect("edited");
+    let (nodes, vessels) = graph_columns(&graph);
+    let mut bytes = Vec::new();
+    write_graphml(&mut bytes, &graph, &nodes, &vessels).expect("written");
+    let (again, _) = read_graphml(&bytes[..], &ReadOptions::default()).expect("read");
+    let lengths = |graph: &Network| graph.vessels().map(|(_, vessel)| (vessel.length, vessel.radius)).collect::<Vec<_>>();
+    let places = |graph: &Network| graph.nodes().map(|node| node.position).collect::<Vec<_>>();
+    assert_eq!((lengths(&graph), places(&graph)), (lengths(&again), places(&again)));
 }
 
 fn is_there(vessel: &Vessel) -> bool {

@@ -67,7 +67,9 @@ impl GraphEditor {
 
     /// The graph as it is now.
     pub fn finish(self) -> Network {
-        Network::of(self.frame, self.nodes, self.vessels)
+        let mut graph = Network::of(self.frame, self.nodes, self.vessels);
+        graph.store();
+        graph
     }
 
     /// Makes an edit.

@@ -16,6 +16,7 @@ pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
 pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
+use units::as_stored;
 pub use vessel::{
     Condition, ConditionFrom, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall,
     Windkessel,
@@ -129,6 +130,24 @@ impl Network {
     /// The vessel of a row, to change it.
     pub fn vessel_mut(&mut self, row: usize) -> &mut Vessel {
         Arc::make_mut(&mut self.graph[EdgeIndex::new(row)])
+    }
+
+    /// Makes every length one that survives being written in millimetres.
+    pub fn store(&mut self) {
+        for row in 0..self.vessel_count() {
+            let vessel = self.vessel_mut(row);
+            vessel.length = as_stored(vessel.length);
+            vessel.radius = as_stored(vessel.radius);
+            for point in &mut vessel.path {
+                point.radius = as_stored(point.radius);
+                point.position = point.position.map(as_stored);
+            }
+        }
+        for row in 0..self.node_count() {
+            let node = self.node_mut(row);
+            node.radius = node.radius.map(as_stored);
+            node.position = node.position.map(|p| p.map(as_stored));
+        }
     }
 
     /// The two nodes of a vessel.

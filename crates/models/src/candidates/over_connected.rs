@@ -8,7 +8,6 @@ use super::features::{Extraction, NetworkPoint};
 use super::resample::Resampled;
 use super::search::{CandidateOptions, CandidateRadius, EndCandidate};
 use willis_core::network::path_places::{PathPlace, length_of};
-use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
 use willis_core::support::list_of;
@@ -194,26 +193,8 @@ pub fn over_connected(network: &Network, mut found: Vec<NewVessel>, options: &Ca
         let vessel = Vessel::new(length, radius, Origin::Candidate);
         graph.add_vessel(ends, Vessel { prior, evidence: new.evidence.map(Box::new), path, ..vessel });
     }
-    store(&mut graph);
+    graph.store();
     (graph, node_at)
-}
-
-/// Makes every length one that survives being written in millimetres.
-fn store(network: &mut Network) {
-    for row in 0..network.vessel_count() {
-        let vessel = network.vessel_mut(row);
-        vessel.length = as_stored(vessel.length);
-        vessel.radius = as_stored(vessel.radius);
-        for point in &mut vessel.path {
-            point.radius = as_stored(point.radius);
-            point.position = point.position.map(as_stored);
-        }
-    }
-    for row in 0..network.node_count() {
-        let node = network.node_mut(row);
-        node.radius = node.radius.map(as_stored);
-        node.position = node.position.map(|p| p.map(as_stored));
-    }
 }
 
 /// The network with its vessels split at the points of `cuts`, given per vessel with their places on its path, and the new node at
