@@ -8,10 +8,12 @@ use std::path::Path;
 
 use crate::peers::python;
 use willis::error::Fault;
-use willis::internals::formats::{Column, Content, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
+use willis::internals::formats::{
+    Column, Content, ReadOptions, Values, graph_columns, read, read_vtk, read_vtp, write_vtk, write_vtp,
+};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{Scale, metres};
-use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract};
+use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract, fragments};
 
 /// Names of the links and radii (mm) of the points, in their order.
 fn names(lines: &Centerlines) -> Vec<&str> {
@@ -271,6 +273,39 @@ fn what_is_written_comes_back_to_the_last_bit() {
         let again = contract(&lines, RadiusRule::Mean, None).unwrap().network;
         assert_eq!(again.node_count(), 4);
         assert_eq!(vessels(&again), vessels(&network), "file {n}");
+    }
+}
+
+/// Two vessels that cross, cut apart: each has a junction of its own at the place of the crossing. What willis writes says so.
+#[test]
+fn vessels_that_were_cut_apart_stay_apart() {
+    let mut network = Network::new();
+    for (id, at) in
+        [[0.0; 3], [0.0; 3], [-9.0, 0.0, 0.0], [9.0, 0.0, 0.0], [0.0, -8.0, 0.0], [0.0, 8.0, 0.0]].into_iter().enumerate()
+    {
+        network.add_node(Node {
+            id: id.to_string(),
+            position: Some(at.map(metres)),
+            radius: Some(metres(0.5)),
+            ..Node::default()
+        });
+    }
+    for ends in [[0, 2], [3, 0], [1, 4], [5, 1]] {
+        let path = ends.map(|node| PathPoint { position: network.node(node).position.unwrap(), radius: metres(0.5), id: None });
+        network.add_vessel(ends, Vessel::along(path.to_vec(), RadiusRule::Mean));
+    }
+    let (_, stated) = graph_columns(&network);
+    let folder = tempfile::tempdir().unwrap();
+    for (columns, found) in [(&stated[..], (2, 2)), (&[][..], (1, 4))] {
+        for name in ["a.vtk", "a.vtp"] {
+            let (path, mut bytes) = (folder.path().join(name), Vec::new());
+            let write =
+                if name == "a.vtk" { write_vtk(&mut bytes, &network, columns) } else { write_vtp(&mut bytes, &network, columns) };
+            write.unwrap();
+            std::fs::write(&path, bytes).unwrap();
+            let read = willis::read(&path, &ReadOptions::default()).unwrap().network;
+            assert_eq!((fragments(&read, |_, _| true).count, read.vessel_count()), found, "{name}");
+        }
     }
 }
 

@@ -41,6 +41,8 @@ pub struct Centerlines {
     pub sources: BTreeSet<u64>,
     /// The number of the point that is the root of the only tree of the file.
     pub root: Option<u64>,
+    /// Whether the file states which points are one, so that others in one place are apart, as where a contact was cut.
+    pub states_nodes: bool,
 }
 
 impl Centerlines {

@@ -15,8 +15,8 @@ pub use centerlines::{Centerlines, Labels, RadiusRule, WELD_TOLERANCE, contract,
 pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
-pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
 use units::as_stored;
+pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
 pub use vessel::{
     Condition, ConditionFrom, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall,
     Windkessel,

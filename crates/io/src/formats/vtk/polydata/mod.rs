@@ -11,8 +11,13 @@ use crate::formats::{Centerlines, Fault, ReadOptions, ensure, parts_of};
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
-    data::is_of_radii(name, options) || NAMES.contains(&letters_only(name).as_str()) || tracts::IDS.contains(&name)
+    let of_lines = tracts::IDS.contains(&name) || NODES.contains(&name);
+    data::is_of_radii(name, options) || NAMES.contains(&letters_only(name).as_str()) || of_lines
 }
+
+/// The arrays in which willis states the nodes of a line. A file with them has one point for each node, and points in one place that are two
+/// are two nodes.
+const NODES: [&str; 2] = ["node_a", "node_b"];
 
 /// Whether the radii are called as `vmtkcenterlines` calls them, which traces every line from a source to a target.
 fn is_of_vmtk(piece: &PolyData) -> bool {
@@ -64,12 +69,13 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
     let starts: Vec<u32> = all.each.iter().filter_map(|line| line.points.first().copied()).collect();
     let is_cut = !cut.is_empty();
     notes.extend(tracts::join(&mut all, cut));
-    let run_together = overlap::merge(&mut all);
+    let states_nodes = pieces.iter().all(|piece| NODES.iter().all(|name| data::numbers(&piece.line_data, name).is_some()));
+    let run_together = if states_nodes { None } else { overlap::merge(&mut all) };
     if run_together.is_some() && !is_cut && pieces.iter().all(is_of_vmtk) {
         all.sources = tracts::common_start(&all, starts);
     }
     notes.extend(run_together);
-    Ok((build(&all, &ids), notes))
+    Ok((Centerlines { states_nodes, ..build(&all, &ids) }, notes))
 }
 
 /// The points of each line, checked.
