@@ -18,6 +18,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A program may make the network itself, in SI units; this one is a tube, whose flow is Q = πr⁴ΔP/(8µl):
+//!
+//! ```
+//! use willis::{Condition, FlowOptions, Input, Network, Node, Origin, Vessel};
+//!
+//! let mut network = Network::new();
+//! for (id, pressure) in [("in", 13_332.0), ("out", 0.0)] {
+//!     network.add_node(Node { id: id.into(), condition: Some(Condition::Pressure(pressure)), ..Node::default() });
+//! }
+//! network.add_vessel([0, 1], Vessel::new(1e-2, 1e-3, Origin::Observed));
+//! let input = Input::from_network(network);
+//! let flow = willis::simulate(&input, &[], &FlowOptions::default())?.result.unperturbed.vessels[0].flow;
+//! assert!((flow / (std::f64::consts::PI * 1e-12 * 13_332.0 / (8.0 * 3.5e-3 * 1e-2)) - 1.0).abs() < 1e-12);
+//! # Ok::<(), willis::Error>(())
+//! ```
+//!
 //! These functions do exactly what the commands of the same names do, with the same defaults. Everything behind them is in
 //! [`internals`], which promises nothing. Inside, everything is in SI units; lengths in files are in mm, pressures in mmHg.
 //!
@@ -60,12 +76,15 @@ pub use pipeline::{
 };
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};
-pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw};
+pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw, boundary_conditions::Total};
+pub use willis_core::modulation::{Class, ModulationOptions, Reading};
 pub use willis_core::network::units::{LengthUnit, Scale};
-pub use willis_core::network::{Network, RadiusRule};
+pub use willis_core::network::{
+    Condition, ConditionFrom, Edit, Evidence, Frame, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel,
+};
 pub use willis_core::perturbation::{Stenosis, StretchPlace};
 pub use willis_core::sampling::{FoundConditions, Likelihood, Progress, SamplingOptions, Solver, Uncertain, Weight};
-pub use willis_core::{modulation::ModulationOptions, simulation::Change, simulation::pulse::Friction};
+pub use willis_core::{simulation::Change, simulation::pulse::Friction};
 pub use willis_io::formats::ReadOptions;
 pub use willis_io::masks::{Appearance, Cavities, RadiusFrom};
 pub use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};

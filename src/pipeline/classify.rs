@@ -64,6 +64,7 @@ pub fn classify(
 ) -> Result<Phenotype> {
     phenotypes.validate()?;
     phenotypes.check_files()?;
+    input.network.validate()?;
     let asked = phenotypes;
     let path = Path::new(&input.provenance.input);
     let phenotypes = &input.run.as_ref().map_or_else(|| phenotypes.clone(), |run| phenotypes.or(&run.options.infer.phenotypes));

@@ -241,7 +241,8 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
 }
 
 impl Input {
-    /// A network that the caller made. Candidates are built around its vessels where all are observed.
+    /// A network that the caller made, which every function checks ([`Network::validate`]). Candidates are built around its vessels where all are
+    /// observed.
     pub fn from_network(network: Network) -> Self {
         let is_fragments = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
         let contents = if is_fragments { Contents::Vessels } else { Contents::Graph };

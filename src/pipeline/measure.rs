@@ -80,6 +80,7 @@ pub struct Measurement {
 /// An option out of its range, a condition at a node that is not there, a mask of the brain that cannot be read or holds none.
 pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &mut dyn Follow) -> Result<Measurement> {
     options.validate()?;
+    input.network.validate()?;
     let mut notes = Vec::new();
     let (network, kept): (Cow<'_, Network>, Vec<bool>) = if let Some(run) = &input.run {
         (Cow::Borrowed(&input.network), run.kept(input.network.vessel_count())?)

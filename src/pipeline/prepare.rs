@@ -26,6 +26,7 @@ const NOTHING_UNCERTAIN: &str =
 /// As [`infer`](crate::infer), before any sample.
 pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Arc<Prepared>> {
     options.validate()?;
+    input.network.validate()?;
     let inlets_by_labels = input.inlets_by_labels();
     let source = options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow));
     // What is found by labels is divided already, and what is found otherwise shows whether names and labels agree.

@@ -3,14 +3,14 @@
 use std::{borrow::Cow, f64::consts::PI, time::Instant};
 
 use super::pulse::{Waves, fluid, law};
-use super::{BoundaryOptions, FlowOptions, Follow, Input, Silent, Step};
+use super::{BoundaryOptions, FlowOptions, Follow, Input, Silent, Step, require};
 use crate::{
     Change, Error, FoundOutlets, ModulationOptions, ModulationRun, Network, Result, SimulationRun, Thickness, Unfed, WallLaw,
 };
-use willis_core::network::{Wall, Windkessel, vessels_called};
+use willis_core::network::{Role, Wall, Windkessel, vessels_called};
 use willis_core::{
     error::ensure, flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::close_each,
-    simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports,
+    simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports, support::limits::fits_memory,
 };
 use willis_io::{formats::SolverSetting, formats::tables::reader::plural};
 
@@ -51,6 +51,9 @@ pub fn simulate_with<'a>(
     let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
     let simulation = willis_core::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
+    if options.transport {
+        check_memory(network, &boundary, simulation.states().count())?;
+    }
     let transports = options.transport.then(|| Transports::of(network, &boundary, &simulation));
     let close_all = || close_each(network, &boundary, viscosity, &simulation.unperturbed);
     let closures = options.occlude_each.then(close_all).transpose()?;
@@ -73,6 +76,17 @@ pub fn simulate_with<'a>(
     })
 }
 
+/// Refuses to follow the blood of more inlets than there is memory for: each has a share and a time at every node, and a row for every vessel and
+/// outlet in territories.csv.
+fn check_memory(network: &Network, boundary: &Boundary, states: usize) -> Result<()> {
+    /// Bytes of a row in memory, and what each state adds.
+    const ROW: [usize; 2] = [80, 24];
+    let rows = network.vessel_count() + boundary.count(Role::Outlet);
+    let each = (rows * ROW[0] + states * (rows * ROW[1] + 16 * network.node_count())) as f64;
+    let inlets = boundary.count(Role::Inlet);
+    fits_memory("transport", format!("of {inlets} inlets"), each * inlets as f64, |left| left / each)
+}
+
 /// What flow is solved for: the vessels of an input, or those that inlets feed, with their conditions.
 #[derive(Debug)]
 pub(super) struct Solved<'a> {
@@ -86,6 +100,7 @@ pub(super) struct Solved<'a> {
 
 impl<'a> Solved<'a> {
     pub(super) fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
+        input.network.validate()?;
         // The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
         let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
         let given = options.given(&input.network, progress)?;
@@ -137,6 +152,11 @@ pub fn modulate_with<'a>(
     progress: &mut dyn Follow,
 ) -> Result<ModulationRun<'a>> {
     options.validate()?;
+    let (chosen, all) = (options.vessels.as_ref().map(Vec::len), input.network.vessel_count());
+    let accepted = format!("expected one for each of {all} vessels");
+    require(chosen.is_none_or(|chosen| chosen == all), "vessels", chosen.unwrap_or_default(), accepted)?;
+    let limit = threshold.unwrap_or(1.0);
+    require(limit.is_normal() && limit > 0.0, "threshold", limit, "expected a positive number of Pa/m2")?;
     let solved = Solved::of(input, boundary, options.unfed, progress)?;
     let mut options = options.clone();
     if let (Some(rows), Some(vessels)) = (&solved.rows, &mut options.vessels) {

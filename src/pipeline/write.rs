@@ -25,7 +25,7 @@ pub struct WrittenFiles {
 ///
 /// # Errors
 ///
-/// An ending or a word that means no format, a network that the format cannot hold, a file that stands already or cannot be written.
+/// An ending or a word that means no format, a network that no file or not this format can hold, a file that stands already or cannot be written.
 pub fn write(network: &Network, path: &Path, to: Option<&str>, force: bool) -> Result<WrittenFiles> {
     write_target(network, &Target::new(path, to)?, force)
 }
@@ -36,6 +36,7 @@ pub fn write(network: &Network, path: &Path, to: Option<&str>, force: bool) -> R
 ///
 /// As [`write()`].
 pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<WrittenFiles> {
+    network.validate()?;
     StagedFiles::check(&target.path, &target.nodes, force)?;
     let mut staged = StagedFiles::new(&target.path, force)?;
     let written = stage_target(network, target, &mut staged)?;

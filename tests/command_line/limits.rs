@@ -2,7 +2,7 @@
 //! truth is the limit that the test sets.
 #![cfg(target_os = "linux")]
 
-use std::process::Command;
+use std::{fs, process::Command};
 
 use crate::command::{builder, data, folder, stderr};
 use crate::refused::contents;
@@ -47,6 +47,23 @@ fn a_modulation_that_does_not_fit_into_memory_is_refused() {
     assert_eq!(status, Some(2), "{said}");
     assert_eq!(errors(&said).len(), 1, "{said}");
     assert!(said.contains("--samples 10000000: needs ") && said.contains("GiB of memory") && empty, "{said}");
+}
+
+/// Each of 5,000 separate vessels has its inlet, and each inlet a row for every vessel and outlet in territories.csv: 50 million rows.
+#[test]
+fn transport_of_more_inlets_than_fit_into_memory_is_refused() {
+    let here = folder();
+    let nodes = (0..10_000).map(|n| format!("{n},{}\n", if n % 2 == 0 { 100 } else { 0 }));
+    let edges = (0..5_000).map(|e| format!("{},{},1,1\n", 2 * e, 2 * e + 1));
+    fs::write(here.path().join("a.nodes.csv"), format!("node,pressure_mmHg\n{}", nodes.collect::<String>())).expect("writes");
+    fs::write(here.path().join("a.csv"), format!("node_a,node_b,length_mm,radius_mm\n{}", edges.collect::<String>()))
+        .expect("writes");
+    let graph = here.path().join("a.csv").display().to_string();
+    let arguments = ["simulate", &graph, "-o", "out", "--transport"];
+    let (status, said, empty) = limited("ulimit -v 4000000", &arguments);
+    assert_eq!(status, Some(2), "{said}");
+    assert_eq!(errors(&said).len(), 1, "{said}");
+    assert!(said.contains("--transport of 5000 inlets: needs ") && said.contains("GiB of memory") && empty, "{said}");
 }
 
 #[test]

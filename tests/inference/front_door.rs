@@ -5,8 +5,9 @@ use std::path::Path;
 
 use willis::error::Error;
 use willis::{
-    BoundaryOptions, FoundOutlets, InferOptions, Inference, Input, Keep, ReadOptions, SamplingOptions, SaveOptions, infer, read,
-    read_bytes, write,
+    BoundaryOptions, Condition, Evidence, FlowOptions, FoundOutlets, Frame, InferOptions, Inference, Input, Keep, MeasureOptions,
+    ModulationOptions, Network, Node, Origin, PathPoint, PhenotypeOptions, ReadOptions, SamplingOptions, SaveOptions, Silent,
+    Unfed, Vessel, Wall, Windkessel, candidates, classify, infer, label, measure, modulate, read, read_bytes, simulate, write,
 };
 
 const BROKEN: &str = "data/broken-circle-of-willis.swc";
@@ -107,7 +108,7 @@ fn a_topology_is_written_and_read_again() {
     let written = write(&topology, &path, None, false).unwrap();
     assert_eq!(written.files, std::slice::from_ref(&path));
     let again = read(&path, &ReadOptions::default()).unwrap().network;
-    let length = |network: &willis::Network| network.vessels().map(|(_, vessel)| vessel.length).sum::<f64>();
+    let length = |network: &Network| network.vessels().map(|(_, vessel)| vessel.length).sum::<f64>();
     assert!((length(&again) / length(&topology) - 1.0).abs() < 1e-6);
     assert!(matches!(write(&topology, &path, None, false), Err(Error::Exists { .. })));
     assert!(write(&topology, &here.path().join("kept.xyz"), None, false).is_err());
@@ -117,4 +118,102 @@ fn a_topology_is_written_and_read_again() {
     let again = read(&path, &ReadOptions::default()).unwrap().network;
     assert_eq!(again.vessel_count(), topology.vessel_count());
     assert!(again.vessels().all(|(_, vessel)| vessel.kept == Some(true)));
+}
+
+/// A vessel that branches, with an inlet, two outlets and a candidate to one of them, as a program makes it.
+fn by_hand() -> Network {
+    let place = |id: &str, x: f64, y: f64| Node { id: id.to_owned(), position: Some([x, y, 0.0]), ..Node::default() };
+    let nodes = vec![
+        place("a", 0.0, 0.0),
+        place("b", 1e-2, 0.0),
+        place("c", 2e-2, 5e-3),
+        place("d", 2e-2, -5e-3),
+        place("e", 3e-2, 5e-3),
+    ];
+    let observed = |length, radius| Vessel::new(length, radius, Origin::Observed);
+    let candidate = Vessel { prior: 0.5, ..Vessel::new(1e-2, 1e-3, Origin::Candidate) };
+    let vessels = [([0, 1], observed(1e-2, 2e-3)), ([1, 2], observed(1.1e-2, 1.5e-3)), ([1, 3], observed(1.1e-2, 1.2e-3))];
+    let mut network = Network::of(Frame::default(), nodes, vessels.into_iter().chain([([2, 4], candidate)]).collect());
+    network.node_mut(0).condition = Some(Condition::Pressure(13_332.0));
+    for outlet in [3, 4] {
+        network.node_mut(outlet).condition = Some(Condition::Pressure(0.0));
+    }
+    network
+}
+
+/// What the readers of files refuse, a program may put into a network. No tube has a negative length or a radius that is no number.
+#[test]
+fn what_no_file_can_hold_is_refused_in_a_network_by_hand() {
+    type Spoil = fn(&mut Network);
+    let spoils: [(&str, Spoil); 17] = [
+        ("vessel 1 (b - c) length -0.01: expected a positive number", |n| n.vessel_mut(1).length = -1e-2),
+        ("vessel 1 (b - c) length 0: expected a positive number", |n| n.vessel_mut(1).length = 0.0),
+        ("vessel 3 (c - e) radius -0.001: expected a positive number", |n| n.vessel_mut(3).radius = -1e-3),
+        ("vessel 3 (c - e) radius NaN: expected a positive number", |n| n.vessel_mut(3).radius = f64::NAN),
+        ("vessel 1 (b - c) resistance -1: expected a positive number", |n| n.vessel_mut(1).resistance = Some(-1.0)),
+        ("vessel 3 (c - e) prior 2: expected a number from 0 to 1", |n| n.vessel_mut(3).prior = 2.0),
+        ("vessel 3 (c - e) prior NaN: expected a number from 0 to 1", |n| n.vessel_mut(3).prior = f64::NAN),
+        ("vessel 3 (c - e) probability 2: expected a number from 0 to 1", |n| {
+            n.vessel_mut(3).evidence = Some(Box::new(Evidence::undirected(2.0)));
+        }),
+        ("vessel 1 (b - c) wall -1: expected a positive number", |n| n.vessel_mut(1).wall = Some(Wall::Speed(-1.0))),
+        ("vessel 1 (b - c) radius of a point 0: expected a positive number", |n| {
+            n.vessel_mut(1).path =
+                [[1e-2, 0.0, 0.0], [2e-2, 5e-3, 0.0]].map(|position| PathPoint { position, radius: 0.0, id: None }).to_vec();
+        }),
+        ("node 2 (c) coordinate inf: expected one within 1e9 m", |n| n.node_mut(2).position = Some([f64::INFINITY, 0.0, 0.0])),
+        ("node 2 (c) coordinate 2000000000: expected one within 1e9 m", |n| n.node_mut(2).position = Some([2e9, 0.0, 0.0])),
+        ("node 2 (c) radius 0: expected a positive number", |n| n.node_mut(2).radius = Some(0.0)),
+        ("node 0 (a) condition NaN: expected a finite number", |n| n.node_mut(0).condition = Some(Condition::Pressure(f64::NAN))),
+        ("node 3 (d) resistance -1: expected a positive number", |n| {
+            n.node_mut(3).condition = Some(Condition::Resistance { resistance: -1.0, venous: 0.0 });
+        }),
+        ("node 3 (d) compliance 0: expected a positive number", |n| {
+            n.node_mut(3).windkessel = Some(Box::new(Windkessel { proximal: None, compliance: Some(0.0) }));
+        }),
+        ("node 2 (b): an earlier node has this id; expected one of its own", |n| n.node_mut(2).id = "b".to_owned()),
+    ];
+    let answers = |network: Network| {
+        let (input, written) = (Input::from_network(network), tempfile::tempdir().unwrap());
+        let none = &PhenotypeOptions::default();
+        [
+            infer(&input, &options(64)).err(),
+            candidates(&input, &options(64)).err(),
+            simulate(&input, &[], &FlowOptions::default()).err(),
+            modulate(&input, &BoundaryOptions::default(), &ModulationOptions { samples: 2, ..Default::default() }, None).err(),
+            measure("a", &input, &MeasureOptions::default(), &mut Silent).err(),
+            write(&input.network, &written.path().join("a.graphml"), None, false).err(),
+            classify(&input, None, none, &mut Silent).err(),
+            label(input, &InferOptions::default(), &mut Silent).err(),
+        ]
+    };
+    // These five vessels are no circle of Willis.
+    assert_eq!(answers(by_hand()).iter().filter(|error| error.is_none()).count(), 7);
+    for (expected, spoil) in spoils {
+        let mut network = by_hand();
+        spoil(&mut network);
+        for error in answers(network) {
+            let error = error.expect(expected);
+            assert!(matches!(error, Error::Parameter { .. }) && error.to_string() == expected, "{error} for {expected}");
+        }
+    }
+}
+
+/// Whose vessels are modulated is said of those of the input, also where the unfed ones are left out; a force per area is positive.
+#[test]
+fn a_modulation_asks_for_one_word_a_vessel_and_a_threshold_above_zero() {
+    let (input, boundary) = (Input::from_network(by_hand()), BoundaryOptions::default());
+    for threshold in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
+        let options = ModulationOptions { samples: 2, ..Default::default() };
+        let error = modulate(&input, &boundary, &options, Some(threshold)).unwrap_err().to_string();
+        assert_eq!(error, format!("threshold {threshold}: expected a positive number of Pa/m2"));
+    }
+    for unfed in [Unfed::Keep, Unfed::Drop] {
+        for (count, is_right) in [(1, false), (4, true), (5, false)] {
+            let options = ModulationOptions { samples: 2, vessels: Some(vec![true; count]), unfed, ..Default::default() };
+            let error = modulate(&input, &boundary, &options, None).err().map(|error| error.to_string());
+            let expected = format!("vessels {count}: expected one for each of 4 vessels");
+            assert_eq!(error, (!is_right).then_some(expected));
+        }
+    }
 }

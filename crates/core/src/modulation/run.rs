@@ -166,17 +166,7 @@ fn check_memory(network: &Network, params: &ModulationOptions) -> Result<()> {
     const TIMES: f64 = 2.5;
     let figures = (network.node_count() + 7 * network.vessel_count() + 2) as f64;
     let each = 8.0 * TIMES * figures * params.classes.len() as f64;
-    match limits::memory().map(|bytes| bytes as f64) {
-        Some(most) if each * params.samples as f64 > most => {
-            let [needed, free] = [each * params.samples as f64, most].map(|bytes| bytes / f64::from(1 << 30));
-            let accepted = format!(
-                "needs {needed:.1} GiB of memory, and {free:.1} are left; expected at most {:.0} here",
-                (most / each).floor()
-            );
-            Err(Error::parameter("samples", params.samples, accepted))
-        }
-        _ => Ok(()),
-    }
+    limits::fits_memory("samples", params.samples, each * params.samples as f64, |left| left / each)
 }
 
 /// A group of instances for the vector kernel.

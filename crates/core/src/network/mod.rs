@@ -7,6 +7,7 @@ pub mod path_places;
 pub mod paths;
 pub mod quantity;
 pub mod units;
+mod validate;
 mod vessel;
 pub mod walks;
 pub mod waveform;
@@ -47,6 +48,10 @@ impl Network {
     }
 
     /// A network of some nodes, and of vessels between the rows of two of them.
+    ///
+    /// # Panics
+    ///
+    /// When a node of a vessel does not exist.
     pub fn of(frame: Frame, nodes: Vec<Node>, vessels: Vec<([usize; 2], Vessel)>) -> Self {
         let mut network = Self { frame, ..Self::default() };
         for node in nodes {

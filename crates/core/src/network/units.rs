@@ -30,6 +30,9 @@ pub fn milliseconds(seconds: f64) -> f64 {
     seconds * 1e3
 }
 
+/// The largest coordinate that is accepted, m.
+pub const MOST_METRES: f64 = 1e9;
+
 /// The length (m) after it was written to a file in millimetres and read again.
 pub fn as_stored(m: f64) -> f64 {
     metres(millimetres(m))

@@ -1,12 +1,27 @@
 //! What the system lets a process have: memory, and the size of a file. Linux says so; elsewhere nothing is known and nothing is refused.
 
-use std::{fs, path::Path};
+use std::{fmt::Display, fs, path::Path};
+
+use crate::error::{Result, require};
 
 /// Memory that this process can still get, bytes: the least of what is free, of what its group may have and of its address space.
 pub fn memory() -> Option<u64> {
     let used = figure("/proc/self/status", "VmSize");
     let address_space = limit("Max address space").zip(used).map(|(most, used)| most.saturating_sub(used));
     [figure("/proc/meminfo", "MemAvailable"), group(), address_space].into_iter().flatten().min()
+}
+
+/// Refuses the value of a field if its work needs more memory (bytes) than is left; `most` says of what is left which value fits.
+///
+/// # Errors
+///
+/// Names the field, its value, and both figures.
+pub fn fits_memory(name: &str, value: impl Display, needed: f64, most: impl Fn(f64) -> f64) -> Result<()> {
+    let Some(left) = memory().map(|bytes| bytes as f64) else { return Ok(()) };
+    let [needs, free] = [needed, left].map(|bytes| bytes / f64::from(1 << 30));
+    let accepted =
+        format!("needs {needs:.1} GiB of memory, and {free:.1} are left; expected at most {:.0} here", most(left).floor());
+    require(needed <= left, name, value, accepted)
 }
 
 /// The largest file that this process may write, bytes (`ulimit -f`).

@@ -4,7 +4,7 @@ use willis_core::network::{
     Centerlines, LengthUnit, Network, RadiusRule, Scale, WELD_TOLERANCE, contract, is_radius, millimetres,
 };
 use willis_core::support::geometry::{Point, box_diagonal};
-use willis_core::{error::Fault, support::statistics::median};
+use willis_core::{error::Fault, network::units::MOST_METRES, support::statistics::median};
 
 /// The content of a file.
 #[derive(Debug, Clone)]
@@ -95,8 +95,6 @@ const MOST_EXTENT_MM: f64 = 300.0;
 /// Median radii, and extents, that arteries of a brain have where their centimetres are taken as millimetres.
 const RADIUS_OF_CM: std::ops::Range<f64> = 0.02..0.15;
 const EXTENT_OF_CM: std::ops::Range<f64> = 3.0..30.0;
-/// The largest coordinate that is accepted, m.
-const MOST_METRES: f64 = 1e9;
 /// The fraction of coordinates or radii that must be whole numbers for a warning.
 const MOST: f64 = 0.95;
 /// The fewest points for a warning.
