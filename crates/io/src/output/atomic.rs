@@ -26,9 +26,7 @@ impl StagedFolder {
     ///
     /// It exists and `force` is off, it holds files that willis did not write, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        // What a run left that was killed at its end goes too where its output refuses the next.
-        let (vacant, left) = (Self::check_target(target, force), InProgress::check(target));
-        vacant.and_then(|()| check_file_size(target)).and(left)
+        InProgress::check(target, || Self::check_target(target, force).and_then(|()| check_file_size(target)))
     }
 
     fn check_target(target: &Path, force: bool) -> Result<()> {
@@ -49,8 +47,7 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`] with `force`, or the system refuses.
     pub fn remove(target: &Path) -> Result<()> {
-        Self::check_target(target, true)?;
-        let in_progress = InProgress::new(target)?;
+        let in_progress = InProgress::of_vacant(target, || Self::check_target(target, true))?;
         // Under this name it is not moved back.
         fs::rename(&in_progress.target, in_progress.new_path()).map_err(write_error(target))
     }
@@ -61,10 +58,7 @@ impl StagedFolder {
     ///
     /// As [`StagedFolder::check`], or the folder cannot be made.
     pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::check_target(target, force)?;
-        let in_progress = InProgress::new(target)?;
-        // Another process may have written it before it released the lock.
-        Self::check_target(target, force)?;
+        let in_progress = InProgress::of_vacant(target, || Self::check_target(target, force))?;
         fs::create_dir(in_progress.new_path()).map_err(write_error(target))?;
         Ok(Self { in_progress, kept: Mutex::default() })
     }
@@ -145,10 +139,7 @@ impl StagedFiles {
     /// One of them exists and `force` is off, it is a folder, or another process is writing it.
     pub fn check<'a>(main: &Path, others: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<()> {
         let partial = PartialSet::of(main);
-        let check = |path: &Path, force: bool| {
-            let (vacant, left) = (Self::check_target(path, force), InProgress::check(path));
-            vacant.and(left)
-        };
+        let check = |path: &Path, force: bool| InProgress::check(path, || Self::check_target(path, force));
         check(main, force)?;
         others.into_iter().try_for_each(|path| check(path, force || partial.holds(path)))
     }
@@ -170,11 +161,7 @@ impl StagedFiles {
 
     /// Starts a file that will replace `target`.
     fn stage(target: &Path, force: bool) -> Result<InProgress> {
-        Self::check_target(target, force)?;
-        let file = InProgress::new(target)?;
-        // Another process may have written it before it released the lock.
-        Self::check_target(target, force)?;
-        Ok(file)
+        InProgress::of_vacant(target, || Self::check_target(target, force))
     }
 
     /// Writes one file that appears complete or not at all; an earlier one is replaced with `force`.

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock, parent};
+use super::lock::{LOCK, TRIES, is_own_folder, lock, parent};
 use willis_core::error::{Error, Result, ensure};
 
 /// The beginning of the name of every unfinished output.
@@ -58,22 +58,28 @@ impl InProgress {
         Ok(started)
     }
 
-    /// Checks that no other process is writing the output at the moment, and clears what a killed one left of it.
+    /// The same for an output that `vacant` finds in nobody's way.
     ///
     /// # Errors
     ///
-    /// As [`InProgress::new`].
-    pub fn check(target: &Path) -> Result<()> {
-        let place = followed(target);
-        let folder = folder_of(&place);
-        if fs::symlink_metadata(&folder).is_err() {
-            return Ok(());
-        }
-        ensure(is_own_folder(&folder), || foreign(&folder, target))?;
-        let _lock = lock(&folder, target, TRIES)?;
-        clear(&folder, Some(&place));
-        discard(&folder);
-        Ok(())
+    /// Those of `vacant` and of [`InProgress::new`].
+    pub fn of_vacant(target: &Path, vacant: impl Fn() -> Result<()>) -> Result<Self> {
+        vacant()?;
+        let started = Self::new(target)?;
+        // Another process may have written it before it released the lock.
+        vacant().map(|()| started)
+    }
+
+    /// Checks, before the work begins, that [`InProgress::of_vacant`] would start the output, and clears what a killed process left of it.
+    ///
+    /// # Errors
+    ///
+    /// As [`InProgress::of_vacant`].
+    pub fn check(target: &Path, vacant: impl Fn() -> Result<()>) -> Result<()> {
+        let is_left = fs::symlink_metadata(folder_of(&followed(target))).is_ok();
+        // What a run left that was killed at its end goes too where its output refuses the next.
+        let (is_vacant, cleared) = (vacant(), if is_left { Self::new(target).map(drop) } else { Ok(()) });
+        is_vacant.and(cleared)
     }
 
     /// Where the output is written.

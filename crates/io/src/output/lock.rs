@@ -20,7 +20,7 @@ pub fn parent(path: &Path) -> &Path {
 }
 
 /// The error for an output that a path is there which this user did not make: a link, a device, another user's file.
-pub fn foreign(path: &Path, target: &Path) -> Error {
+fn foreign(path: &Path, target: &Path) -> Error {
     let path = path.display();
     let accepted = format!("{path} is a link, a device or another user's; remove it, or choose another `output`");
     Error::parameter("output", target.display(), accepted)
