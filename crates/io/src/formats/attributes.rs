@@ -1,8 +1,9 @@
 //! Reads the attributes of nodes and edges, whichever format stores them: makes the nodes, and of each edge one vessel, never merged or reordered.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::Range;
 
-use crate::formats::tables::conditions::VENOUS;
+use crate::formats::tables::{conditions::VENOUS, write::Texts};
 use crate::formats::{Fault, Point, ReadOptions, Scale, box_diagonal, counted, distance, ensure, is_missing, is_radius};
 use crate::formats::{millimetres, number, plural, real};
 use willis_core::network::{
@@ -363,23 +364,17 @@ pub(crate) struct Records {
     pub(crate) names: Vec<Option<String>>,
     /// The values of items that state none.
     pub(crate) defaults: HashMap<String, String>,
-    text: String,
-    fields: Vec<RecordField>,
-    /// The line of each item, and the first of its fields.
+    texts: Texts,
+    /// The number of the name of each text.
+    of: Vec<u32>,
+    /// The line of each item, and the first of its texts.
     items: Vec<(usize, usize)>,
 }
 
-struct RecordField {
-    name: u32,
-    length: u32,
-    start: usize,
-}
-
 /// The attributes of one item.
-#[derive(Clone, Copy)]
 pub(crate) struct Record<'a> {
     all: &'a Records,
-    fields: &'a [RecordField],
+    fields: Range<usize>,
     /// Its line in the file.
     pub(crate) line: usize,
 }
@@ -392,14 +387,13 @@ impl Records {
 
     /// Begins an item.
     pub(crate) fn begin(&mut self, line: usize) {
-        self.items.push((line, self.fields.len()));
+        self.items.push((line, self.of.len()));
     }
 
     /// Sets an attribute of the last item; a later value replaces an earlier one.
     pub(crate) fn put(&mut self, name: usize, text: &str) {
-        let text = text.trim();
-        self.fields.push(RecordField { name: name as u32, length: text.len() as u32, start: self.text.len() });
-        self.text.push_str(text);
+        self.of.push(name as u32);
+        self.texts.push(text.trim());
     }
 
     /// How many items there are.
@@ -410,8 +404,8 @@ impl Records {
     /// An item.
     pub(crate) fn get(&self, row: usize) -> Record<'_> {
         let (line, first) = self.items[row];
-        let end = self.items.get(row + 1).map_or(self.fields.len(), |(_, next)| *next);
-        Record { all: self, fields: &self.fields[first..end], line }
+        let end = self.items.get(row + 1).map_or(self.of.len(), |(_, next)| *next);
+        Record { all: self, fields: first..end, line }
     }
 
     /// All items.
@@ -428,9 +422,8 @@ impl<'a> Record<'a> {
 
     /// The text of an attribute that is a name, which may be any word; none where it is empty.
     pub(crate) fn word(&self, name: &str) -> Option<&'a str> {
-        let named = |field: &&RecordField| self.all.names[field.name as usize].as_deref() == Some(name);
-        let text = match self.fields.iter().rfind(named) {
-            Some(field) => &self.all.text[field.start..field.start + field.length as usize],
+        let text = match self.fields.clone().rfind(|field| self.name(*field) == Some(name)) {
+            Some(field) => &self.all.texts[field],
             None => self.all.defaults.get(name)?.trim(),
         };
         Some(text).filter(|text| !text.is_empty())
@@ -438,10 +431,14 @@ impl<'a> Record<'a> {
 
     /// The names of the attributes that are not empty.
     pub(crate) fn names(&self) -> Vec<&'a str> {
-        let own = self.fields.iter().filter_map(|field| self.all.names[field.name as usize].as_deref());
+        let own = self.fields.clone().filter_map(|field| self.name(field));
         let mut names = distinct(own.chain(self.all.defaults.keys().map(String::as_str)));
         names.retain(|name| self.text(name).is_some());
         names
+    }
+
+    fn name(&self, field: usize) -> Option<&'a str> {
+        self.all.names[self.all.of[field] as usize].as_deref()
     }
 }
 

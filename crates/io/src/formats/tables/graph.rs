@@ -158,9 +158,9 @@ fn places(edges: &Records, placed: &[EdgeEnd]) -> Records {
     let mut nodes = Records::named(&POSITION_COLUMNS);
     for place in placed {
         let edge = place.map(|(row, side)| (edges.get(row), END_POSITION_COLUMNS[side]));
-        nodes.begin(edge.map_or(0, |(record, _)| record.line));
+        nodes.begin(edge.as_ref().map_or(0, |(record, _)| record.line));
         for (axis, column) in edge.iter().flat_map(|(_, columns)| columns.iter().enumerate()) {
-            if let Some(text) = edge.and_then(|(record, _)| record.text(column)) {
+            if let Some(text) = edge.as_ref().and_then(|(record, _)| record.text(column)) {
                 nodes.put(axis, text);
             }
         }

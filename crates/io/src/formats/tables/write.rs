@@ -34,6 +34,12 @@ pub struct Texts {
 }
 
 impl Texts {
+    /// Adds one.
+    pub(crate) fn push(&mut self, text: &str) {
+        self.all.push_str(text);
+        self.ends.push(self.all.len());
+    }
+
     /// All by row.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
         (0..self.ends.len()).map(|row| &self[row])
@@ -52,10 +58,7 @@ impl std::ops::Index<usize> for Texts {
 impl<S: AsRef<str>> FromIterator<S> for Texts {
     fn from_iter<I: IntoIterator<Item = S>>(texts: I) -> Self {
         let mut made = Self::default();
-        for text in texts {
-            made.all.push_str(text.as_ref());
-            made.ends.push(made.all.len());
-        }
+        texts.into_iter().for_each(|text| made.push(text.as_ref()));
         made.all.shrink_to_fit();
         made.ends.shrink_to_fit();
         made
