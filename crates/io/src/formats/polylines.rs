@@ -111,39 +111,57 @@ pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool)
     points
 }
 
-/// The centerlines of a network as one graph of points: first its nodes, then the points between them.
-pub(crate) struct PointLinks {
-    pub(crate) points: Vec<PathPoint>,
-    pub(crate) links: Vec<[usize; 2]>,
-    /// The vessel of each link.
-    pub(crate) vessel: Vec<usize>,
-}
-
 /// Whether every vessel is known by its two nodes alone, so that each is one link.
 pub(crate) fn is_straight(network: &Network) -> bool {
     network.vessels().all(|(_, vessel)| vessel.path.is_empty())
 }
 
-/// The points and links of a network, vessel by vessel.
-///
-/// # Errors
-///
-/// A node without a position; a vessel without points between two nodes that another such vessel joins, or from a node to
-/// itself, which a reader could not distinguish (`InvalidInput`).
-pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
-    let (points, lines) = cells(network)?;
-    let mut out = PointLinks { points, links: Vec::new(), vessel: Vec::new() };
-    let mut joined = std::collections::HashSet::new();
-    for (row, line) in lines.iter().enumerate() {
-        let [a, b] = network.ends(row);
-        let inner = line.len() - 2;
-        let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
-        let why = "has no points of its own between nodes that are one, or joined by another such vessel";
-        ensure(!void, || refused(format!("{} {why}", network.vessel_name(row))))?;
-        out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
-        out.vessel.resize(out.links.len(), row);
+/// A network as one graph of points: first its nodes, then the points between them.
+pub(crate) struct PointLinks {
+    /// m.
+    pub(crate) points: Vec<Point>,
+    pub(crate) links: Vec<[usize; 2]>,
+    /// Whether each link is a vessel.
+    pub(crate) is_straight: bool,
+    /// Those of the vessels where each is a link, else those of the points, m.
+    pub(crate) radii: Vec<f64>,
+    /// The vessel of each link.
+    pub(crate) vessel: Vec<usize>,
+}
+
+impl PointLinks {
+    /// The points and links of a network, vessel by vessel.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position; where any vessel has points of its own, one without between two nodes that another such vessel joins, or from a
+    /// node to itself, which a reader could not distinguish (`InvalidInput`).
+    pub(crate) fn of(network: &Network) -> io::Result<Self> {
+        if is_straight(network) {
+            let (links, radii) = network.vessels().map(|(ends, vessel)| (ends, vessel.radius)).unzip();
+            let vessel = (0..network.vessel_count()).collect();
+            return Ok(Self { points: positions(network)?, links, is_straight: true, radii, vessel });
+        }
+        let (points, lines) = cells(network)?;
+        let (points, radii) = points.into_iter().map(|point| (point.position, point.radius)).unzip();
+        let mut out = Self { points, links: Vec::new(), is_straight: false, radii, vessel: Vec::new() };
+        let mut joined = std::collections::HashSet::new();
+        for (row, line) in lines.iter().enumerate() {
+            let [a, b] = network.ends(row);
+            let inner = line.len() - 2;
+            let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
+            let why = "has no points of its own between nodes that are one, or joined by another such vessel";
+            ensure(!void, || refused(format!("{} {why}", network.vessel_name(row))))?;
+            out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
+            out.vessel.resize(out.links.len(), row);
+        }
+        Ok(out)
     }
-    Ok(out)
+
+    /// The labels of the links.
+    pub(crate) fn labels<'a>(&self, network: &'a Network) -> impl Iterator<Item = &'a str> {
+        self.vessel.iter().map(|row| network.vessel(*row).label.as_str())
+    }
 }
 
 /// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand,

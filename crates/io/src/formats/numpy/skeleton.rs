@@ -5,9 +5,7 @@ use std::io::{self, Seek, Write};
 use ndarray::{Array1, Array2};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::formats::polylines::{
-    add_straight, centerlines, is_straight, network_of_points, positions, radii_of_points, skeleton,
-};
+use crate::formats::polylines::{PointLinks, add_straight, centerlines, network_of_points, radii_of_points};
 use crate::formats::{Centerlines, Content, Fault, Frame, Network, Point, ReadOptions, UnpackLimit, ensure, millimetres};
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
@@ -141,29 +139,17 @@ fn links(edges: &super::array::NumpyArray, points: usize) -> Result<Vec<[u32; 2]
 ///
 /// A node without a position; two vessels that points cannot distinguish (`InvalidInput`); the writer's own.
 pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
+    let graph = PointLinks::of(network)?;
     let mut zip = ZipWriter::new(out);
-    let names: Vec<&str> = if is_straight(network) {
-        let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-        let radii: Vec<f64> = network.vessels().map(|(_, v)| v.radius).collect();
-        write_graph(&mut zip, &positions(network)?, &links, &radii)?;
+    write(&mut zip, "coords", &Array2::from(graph.points.iter().map(|p| p.map(millimetres)).collect::<Vec<_>>()))?;
+    write(&mut zip, "edges", &Array2::from(graph.links.iter().map(|link| link.map(|row| row as i64)).collect::<Vec<_>>()))?;
+    write(&mut zip, "radii", &graph.radii.iter().map(|radius| millimetres(*radius)).collect::<Array1<f64>>())?;
+    if graph.is_straight {
         write(&mut zip, "lengths", &network.vessels().map(|(_, v)| millimetres(v.length)).collect::<Array1<f64>>())?;
-        network.vessels().map(|(_, v)| v.label.as_str()).collect()
-    } else {
-        let found = skeleton(network)?;
-        let (points, radii): (Vec<Point>, Vec<f64>) = found.points.iter().map(|p| (p.position, p.radius)).unzip();
-        write_graph(&mut zip, &points, &found.links, &radii)?;
-        found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
-    };
-    texts(&mut zip, "labels", &names)?;
+    }
+    texts(&mut zip, "labels", &graph.labels(network).collect::<Vec<_>>())?;
     texts(&mut zip, FRAME, &network.frame.name().map_or(vec![], |name| vec![name]))?;
     zip.finish().map_err(io::Error::other)?.flush()
-}
-
-/// Writes the points, the links between them, and the radii of either.
-fn write_graph(zip: &mut ZipWriter<impl Write + Seek>, points: &[Point], links: &[[usize; 2]], radii: &[f64]) -> io::Result<()> {
-    write(zip, "coords", &Array2::from(points.iter().map(|p| p.map(millimetres)).collect::<Vec<_>>()))?;
-    write(zip, "edges", &Array2::from(links.iter().map(|link| link.map(|row| row as i64)).collect::<Vec<_>>()))?;
-    write(zip, "radii", &radii.iter().map(|radius| millimetres(*radius)).collect::<Array1<f64>>())
 }
 
 fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {

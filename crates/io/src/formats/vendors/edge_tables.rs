@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use crate::formats::ensure;
-use crate::formats::polylines::{add_straight, centerlines, is_straight, network_of_points, positions, skeleton};
+use crate::formats::polylines::{PointLinks, add_straight, centerlines, network_of_points, positions};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv, write_table};
 use crate::formats::tables::{graph::NodeTable, reader::Row};
 use crate::formats::{
@@ -116,36 +116,29 @@ fn linked(row: &Row, ends: [usize; 2], vertices: usize) -> Result<[u32; 2], Faul
 ///
 /// A node without a position; two vessels that points cannot distinguish (`InvalidInput`); the writers' own.
 pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
-    let labelled = network.vessels().any(|(_, v)| !v.label.is_empty());
-    let ends = |links: &[[usize; 2]]| {
-        let side = |name, which: usize| Column::whole(name, links.iter().map(|link| link[which]));
-        vec![side("Source ID", 0), side("Target ID", 1)]
-    };
-    if !is_straight(network) {
-        let found = skeleton(network)?;
-        let mut table = coordinate_columns(PLACE, || found.points.iter().map(|p| p.position.map(millimetres))).to_vec();
-        table.push(Column::real("radius", found.points.iter().map(|p| millimetres(p.radius))));
-        write_csv(vertices, &table)?;
-        let mut table = ends(&found.links);
-        let label = |vessel: &usize| network.vessel(*vessel).label.clone();
-        table.extend(labelled.then(|| Column::text("label", found.vessel.iter().map(label))));
-        return write_csv(edges, &table);
+    let graph = PointLinks::of(network)?;
+    let PointLinks { points: at, links, is_straight, radii, .. } = &graph;
+    let mut table = coordinate_columns(PLACE, || at.iter().map(|p| p.map(millimetres))).to_vec();
+    table.extend((!is_straight).then(|| Column::real("radius", radii.iter().copied().map(millimetres))));
+    write_csv(vertices, &table)?;
+    let side = |name, which: usize| Column::whole(name, links.iter().map(|link| link[which]));
+    let mut table = vec![side("Source ID", 0), side("Target ID", 1)];
+    if *is_straight {
+        let vessels = || network.vessels().map(|(_, v)| (millimetres(v.length), millimetres(v.radius)));
+        let gap = |[a, b]: [usize; 2]| millimetres(distance(at[a], at[b]));
+        let tortuosity =
+            |(ends, length): (&[usize; 2], f64)| Some(length / gap(*ends)).filter(|t| t.is_finite()).unwrap_or(f64::NAN);
+        table.extend([
+            Column::real("radius_avg", vessels().map(|(_, r)| r)),
+            Column::real("length", vessels().map(|(l, _)| l)),
+            Column::real("tortuosity", links.iter().zip(vessels().map(|(l, _)| l)).map(tortuosity)),
+            Column::real("volume", vessels().map(|(l, r)| area_of(r) * l)),
+            Column::real("surface_area", vessels().map(|(l, r)| std::f64::consts::TAU * r * l)),
+        ]);
     }
-    let at = positions(network)?;
-    write_csv(vertices, &coordinate_columns(PLACE, || at.iter().map(|p| p.map(millimetres))))?;
-    let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-    let vessels = || network.vessels().map(|(_, v)| (millimetres(v.length), millimetres(v.radius)));
-    let gap = |[a, b]: [usize; 2]| millimetres(distance(at[a], at[b]));
-    let tortuosity = |(ends, length): (&[usize; 2], f64)| Some(length / gap(*ends)).filter(|t| t.is_finite()).unwrap_or(f64::NAN);
-    let mut table = ends(&links);
-    table.extend([
-        Column::real("radius_avg", vessels().map(|(_, r)| r)),
-        Column::real("length", vessels().map(|(l, _)| l)),
-        Column::real("tortuosity", links.iter().zip(vessels().map(|(l, _)| l)).map(tortuosity)),
-        Column::real("volume", vessels().map(|(l, r)| area_of(r) * l)),
-        Column::real("surface_area", vessels().map(|(l, r)| std::f64::consts::TAU * r * l)),
-    ]);
-    table.extend(labelled.then(|| Column::text("label", network.vessels().map(|(_, v)| v.label.clone()))));
+    if network.vessels().any(|(_, v)| !v.label.is_empty()) {
+        table.push(Column::text("label", graph.labels(network)));
+    }
     write_csv(edges, &table)
 }
 
