@@ -100,12 +100,13 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     let frame = network.frame.name().map_or(String::new(), |name| format!("; {SPACE}={name}"));
     writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm{frame}\nASCII\nDATASET POLYDATA")?;
     writeln!(out, "POINTS {} double", points.len())?;
-    points.iter().try_for_each(|point| words(&mut out, point.position.map(|x| number(millimetres(x))).iter()))?;
+    points.iter().try_for_each(|point| writeln!(out, "{}", point.position.map(|x| number(millimetres(x))).join(" ")))?;
     let entries: usize = lines.iter().map(|line| line.len() + 1).sum();
     writeln!(out, "LINES {} {entries}", lines.len())?;
     for line in &lines {
-        let entries: Vec<i64> = std::iter::once(line.len() as i64).chain(line.iter().copied()).collect();
-        words(&mut out, entries.iter())?;
+        write!(out, "{}", line.len())?;
+        line.iter().try_for_each(|point| write!(out, " {point}"))?;
+        writeln!(out)?;
     }
     writeln!(out, "CELL_DATA {}\nFIELD FieldData {}", lines.len(), vessel_columns.len())?;
     for column in vessel_columns {
@@ -128,13 +129,6 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
 
 fn number(x: f64) -> String {
     if x.is_nan() { "nan".to_owned() } else { real(x) }
-}
-
-fn words(out: &mut impl Write, words: impl Iterator<Item = impl std::fmt::Display>) -> io::Result<()> {
-    for (n, word) in words.enumerate() {
-        write!(out, "{}{word}", if n > 0 { " " } else { "" })?;
-    }
-    writeln!(out)
 }
 
 /// Blanks, quotes, percent signs and what is not ASCII as `%` and two digits.
