@@ -322,12 +322,11 @@ pub fn write_npz(out: impl Write + Seek, n: usize, entries: &[(u32, u32, f64)]) 
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated).large_file(data.len() >= 1 << 28);
     let mut npz = NpzWriter::new_with_options(out, options);
     // scipy takes 32-bit indices where they suffice.
-    if i32::try_from(n.max(data.len())).is_ok() {
-        npz.add_array("indices", &indices.iter().map(|i| *i as i32).collect::<Array1<_>>()).map_err(io::Error::other)?;
-        npz.add_array("indptr", &starts.iter().map(|i| *i as i32).collect::<Array1<_>>()).map_err(io::Error::other)?;
-    } else {
-        npz.add_array("indices", &Array1::from(indices)).map_err(io::Error::other)?;
-        npz.add_array("indptr", &Array1::from(starts)).map_err(io::Error::other)?;
+    let is_short = i32::try_from(n.max(data.len())).is_ok();
+    for (name, values) in [("indices", indices), ("indptr", starts)] {
+        let values = Array1::from(values);
+        let added = if is_short { npz.add_array(name, &values.mapv(|i| i as i32)) } else { npz.add_array(name, &values) };
+        added.map_err(io::Error::other)?;
     }
     npz.add_array("format", &arr0(S3(*b"csr"))).map_err(io::Error::other)?;
     npz.add_array("shape", &Array1::from(vec![n as i64; 2])).map_err(io::Error::other)?;
