@@ -179,7 +179,7 @@ fn files(below: &Path) -> Vec<PathBuf> {
 }
 
 /// The page of outputs makes one of each kind: every file that is there, and every column of its tables, is on it, and `--force` may replace
-/// every folder of a run.
+/// every folder of a run or a cohort.
 #[test]
 fn every_file_and_every_column_is_described() {
     let page = page("outputs.md");
@@ -196,7 +196,7 @@ fn every_file_and_every_column_is_described() {
                 missing.extend(columns.filter(|c| !words.contains(*c)).map(|c| format!("{name}: {c}")));
             }
             let folder = path.parent().filter(|folder| *folder != here);
-            if name == "run.json" {
+            if name == "run.json" || name == "cohort.json" {
                 assert_eq!(folder.and_then(foreign_file), None, "names.rs does not list it");
             }
             if folder.is_some() && !words.contains(&name) {

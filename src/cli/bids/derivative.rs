@@ -124,9 +124,7 @@ impl Derivative {
     fn files(&self, mask: &DatasetMask) -> Vec<(String, PathBuf)> {
         let topology = self.topology(mask).display().to_string();
         let named = |end| (format!("{TOPOLOGY}.{end}"), format!("{topology}.{end}").into());
-        let mut files: Vec<_> = TOPOLOGY_ENDINGS.map(named).into();
-        files.push((PAGE.to_owned(), self.page(mask)));
-        files
+        TOPOLOGY_ENDINGS.map(named).into_iter().chain([(PAGE.to_owned(), self.page(mask))]).collect()
     }
 
     /// Whether the files of a run stand under names of BIDS.
