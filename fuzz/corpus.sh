@@ -24,7 +24,8 @@ put swc "$work/small.swc"
 put graphml "$work/graph.graphml"
 put infer "$work/small.swc"
 put infer "$work/graph.graphml"
-for ending in vtp vtk tre npz json am; do
+endings="vtp vtk tre npz json am"
+for ending in $endings; do
     "$willis" convert "$work/small.swc" "$work/small.$ending" -q
 done
 put vtp "$work/small.vtp"
@@ -109,7 +110,7 @@ words classify x.graphml -o out --landmarks auto --labels topcow --variant-prior
 words reading --units um --spacing 0.5,0.5,1 --radius effective --default-radius 0.5 --level 0.5 --radius-from inscribed --box 0,0,0,1,2,3 --frame RAS --max-input 2GiB
 words phantom arterial -o x.graphml --edges 100 --break --seed 3
 named() { mkdir -p corpus/front_door; { printf '%s\n%s\n' "$1" "$2"; cat "$3"; } > "corpus/front_door/$1"; }
-for ending in swc vtp vtk tre npz json am; do named "a.$ending" "" "$work/small.$ending"; done
+for ending in swc $endings; do named "a.$ending" "" "$work/small.$ending"; done
 named a.graphml --observed "$work/graph.graphml"
 named edges.csv "" "$work/edges.csv"
 named points.csv "--units um" "$work/points.csv"

@@ -64,10 +64,6 @@ pub fn label(input: Input, options: &InferOptions, progress: &mut dyn Follow) ->
     Ok(Labelled { prepared, names, segments, not_seen, landmarks, network, probability })
 }
 
-/// The files of landmarks.
-const MARKS: [(&str, LandmarkFormat); 2] =
-    [("landmarks.csv", LandmarkFormat::Csv), ("landmarks.mrk.json", LandmarkFormat::Markups)];
-
 impl Labelled {
     /// Checks, before the work begins, that the files can be written.
     ///
@@ -86,11 +82,12 @@ impl Labelled {
     /// As [`Labelled::check`]; a network that the format cannot hold, a file that cannot be written.
     pub fn write(&self, target: &Target, force: bool) -> Result<Vec<PathBuf>> {
         let mut staged = StagedFiles::new(&target.path, force)?;
-        let beside = |ending: &str| target.path.with_extension(ending);
+        let [names, segments, table, markups] = BESIDE_LABELLED.map(|ending| target.path.with_extension(ending));
         self.stage_network(target, &mut staged)?;
-        self.stage_names(&beside("names.csv"), &mut staged)?;
-        self.stage_segments(&beside("segments.csv"), &mut staged)?;
-        MARKS.into_iter().try_for_each(|(ending, format)| self.stage_landmarks(&beside(ending), format, &mut staged))?;
+        self.stage_names(&names, &mut staged)?;
+        self.stage_segments(&segments, &mut staged)?;
+        self.stage_landmarks(&table, LandmarkFormat::Csv, &mut staged)?;
+        self.stage_landmarks(&markups, LandmarkFormat::Markups, &mut staged)?;
         staged.commit()
     }
 

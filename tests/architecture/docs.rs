@@ -12,6 +12,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use willis::internals::output::foreign_file;
+
 use crate::pages::{Block, Page, book, page, readme, root};
 
 /// `cargo run --release --` is the binary under test; other commands of cargo would build again.
@@ -176,7 +178,8 @@ fn files(below: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// The page of outputs makes one of each kind: every file that is there, and every column of its tables, is on it.
+/// The page of outputs makes one of each kind: every file that is there, and every column of its tables, is on it, and `--force` may replace
+/// every folder of a run or a cohort.
 #[test]
 fn every_file_and_every_column_is_described() {
     let page = page("outputs.md");
@@ -192,7 +195,11 @@ fn every_file_and_every_column_is_described() {
                 let columns = text.lines().next().unwrap_or_default().split(',');
                 missing.extend(columns.filter(|c| !words.contains(*c)).map(|c| format!("{name}: {c}")));
             }
-            if path.parent().is_some_and(|folder| folder != here) && !words.contains(&name) {
+            let folder = path.parent().filter(|folder| *folder != here);
+            if name == "run.json" || name == "cohort.json" {
+                assert_eq!(folder.and_then(foreign_file), None, "names.rs does not list it");
+            }
+            if folder.is_some() && !words.contains(&name) {
                 missing.insert(name);
             }
         }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use willis::error::{Fault, Place};
-use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
+use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, M2, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
 use willis::internals::circle_of_willis::BodySide::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{
     Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, hypoplastic, identify_landmarks,
@@ -500,10 +500,13 @@ fn spellings_mean_arteries() {
         assert_eq!(artery_of_label(label, LabelScheme::Names), expected, "{label}");
         assert_eq!(artery_of_label(&label.to_uppercase(), LabelScheme::Names), expected, "{label}");
     }
-    for artery_of in [Ica, M1, A1, A2, P1, P2, PComm, Va, Mca, Aca, Pca] {
-        for side in [L, R] {
-            assert_eq!(artery_of_label(&artery_of(side).to_string(), LabelScheme::Names), Some(artery_of(side)));
-        }
+    // Each is read by the name that is written, and that of the other side differs in the side alone.
+    for artery in Artery::all() {
+        let name = artery.to_string();
+        assert_eq!(artery_of_label(&name, LabelScheme::Names), Some(if let M2(side) = artery { M1(side) } else { artery }));
+        let other =
+            [("L-", "R-"), ("R-", "L-")].iter().find_map(|(own, other)| Some(other.to_string() + name.strip_prefix(own)?));
+        assert_eq!(artery.opposite().to_string(), other.unwrap_or(name));
     }
 }
 

@@ -1,4 +1,4 @@
-//! The answer by brute force: every subgraph of a small network, dense elimination, every spanning forest (common/exact.rs).
+//! The answer by brute force: every subgraph of a small network, dense elimination, every spanning forest (exact.rs).
 
 use crate::draw::Draw;
 use crate::exact::{enumerate, keep};

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, anatomy, is_of_willis};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
-use crate::internals::output::names::{PAGE, TOPOLOGY};
+use crate::internals::output::names::{PAGE, TOPOLOGY, TOPOLOGY_ENDINGS};
 use crate::internals::output::{StagedFiles, is_in_progress, relative, replace_file, write_error};
 use crate::internals::report::cohort::{sidecar, write_tsv};
 use crate::{Result, internals::pipeline::require_in};
@@ -17,8 +17,6 @@ const BIDS: &str = "1.10.0";
 const IGNORED: &str = "*.html\nruns\ngroup\ngroup_willis.*\n*_desc-willis_topology.*\n";
 /// The end of the names of the topology of a run.
 const TOPOLOGY_NAME: &str = "_desc-willis_topology";
-/// The formats of a topology.
-const ENDINGS: [&str; 3] = ["graphml", "swc", "vtp"];
 const README: &str = "\
 # Vessel topology by willis
 
@@ -125,9 +123,8 @@ impl Derivative {
     /// The files of a run under names of BIDS: in the run, and in the dataset.
     fn files(&self, mask: &DatasetMask) -> Vec<(String, PathBuf)> {
         let topology = self.topology(mask).display().to_string();
-        let mut files: Vec<_> = ENDINGS.map(|end| (format!("{TOPOLOGY}.{end}"), format!("{topology}.{end}").into())).into();
-        files.push((PAGE.to_owned(), self.page(mask)));
-        files
+        let named = |end| (format!("{TOPOLOGY}.{end}"), format!("{topology}.{end}").into());
+        TOPOLOGY_ENDINGS.map(named).into_iter().chain([(PAGE.to_owned(), self.page(mask))]).collect()
     }
 
     /// Whether the files of a run stand under names of BIDS.

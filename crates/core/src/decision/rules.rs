@@ -252,7 +252,7 @@ impl Keep {
 
     /// Whether the threshold is given, and not itself made of the likelihoods.
     pub fn is_fixed(self) -> bool {
-        !matches!(self, Self::Median | Self::Quantile(_) | Self::Otsu)
+        self.asks_evidence() || threshold(self, &likelihood::Likelihood::default()).is_some()
     }
 
     /// What is kept, in words. `cut`: the threshold on L with its unit, `None` where there is none.
@@ -288,6 +288,6 @@ pub fn threshold(rule: Keep, result: &likelihood::Likelihood) -> Option<f64> {
         Keep::Quantile(q) => quantile(&positive, q),
         Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>(), TIE).map(f64::exp),
         Keep::Probable(_) => None,
-        _ => rule.number(),
+        Keep::Value(_) | Keep::Frequency(_) | Keep::Probability(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => rule.number(),
     }
 }

@@ -11,5 +11,5 @@ pub mod partial_run_file;
 pub use atomic::{StagedFiles, StagedFolder};
 pub use files::{give_up_when, plain, read_json, relative, replace_file, write_file, write_json, write_record};
 pub use in_progress::{InProgress, clear_leftovers, final_path, is_in_progress, write_error};
-pub use own_files::is_cohort_file;
+pub use own_files::{foreign_file, is_cohort_file};
 pub use partial_run_file::{read_part, write_part};

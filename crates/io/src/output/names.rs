@@ -54,6 +54,8 @@ pub const WAVEFORM_PICTURE: &str = "waveforms";
 pub const GRAPH: &str = "candidates.graphml";
 /// What was kept, with an ending for each format.
 pub const TOPOLOGY: &str = "topology";
+/// The endings of topologies.
+pub const TOPOLOGY_ENDINGS: [&str; 3] = ["graphml", "swc", "vtp"];
 /// The vessels above the median, with an ending for each format.
 pub const MEDIAN_TOPOLOGY: &str = "topology-median";
 /// The flow as a picture.

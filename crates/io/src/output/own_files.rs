@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::names::{
     AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, MEDIAN_TOPOLOGY, PICTURES, RECORD, TOPOLOGY,
+    TOPOLOGY_ENDINGS,
 };
 use crate::output::files::read_json;
 
@@ -24,7 +25,7 @@ fn is_run_file(path: &Path) -> bool {
     is_named(path, &FILES.concat())
         || BESIDE_LABELLED.iter().any(|ending| path.ends_with(Path::new(LABELLED).with_extension(ending)))
         || is(&PICTURES.concat(), &["png", "svg"])
-        || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
+        || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &TOPOLOGY_ENDINGS)
 }
 
 /// What tells a record of willis, without the conditions of a million vessels that it may hold.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::arteries::{Artery, ArteryVessels, BodySide, RING, Variant};
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
-use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
+use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of, sites};
 use super::segments_by_labels::{self, LabelMeaning};
 use super::segments_by_landmarks::Points;
 use willis_core::network::{NearestNode, Network, Origin, units::millimetres};
@@ -231,7 +231,7 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
     let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
     for (row, meaning) in meanings.iter().enumerate() {
         let LabelMeaning::Artery(artery) = meaning else { continue };
-        if matches!(artery, Artery::A1(_) | Artery::P1(_) | Artery::PComm(_) | Artery::AComm) {
+        if sites(&[*artery], false).is_empty() {
             continue;
         }
         for node in network.ends(row).into_iter().filter(|node| degree[*node] == 1) {
