@@ -51,7 +51,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
-        Self::with(network, boundary, &[], &Tube::at_rest(network, viscosity))
+        Self::with(network, boundary, &Provisional::new(), &Tube::at_rest(network, viscosity))
     }
 
     /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance, and whose `provisional` conditions come and go.
@@ -59,7 +59,7 @@ impl Circuit {
     /// # Errors
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
-    pub fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
+    pub fn with(network: &Network, boundary: &Boundary, provisional: &Provisional, tubes: &[Tube]) -> Result<Self> {
         let conductance = conductances(network, tubes)?;
         let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
         let level = grounds.fold(f64::INFINITY, f64::min);
@@ -76,7 +76,7 @@ impl Circuit {
             terminals: Vec::new(),
         };
         for (node, condition) in &boundary.conditions {
-            let is_provisional = provisional.binary_search_by_key(node, |p| p.node).is_ok();
+            let is_provisional = provisional.contains_key(node);
             match condition {
                 Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level),
                 Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),

@@ -9,7 +9,7 @@
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
-use super::{BatchSolver, Boundary, Circuit, Tube, is_diffused, resilience};
+use super::{BatchSolver, Boundary, Circuit, Tube, boundary_conditions::Provisional, is_diffused, resilience};
 use crate::{error::Result, network::Network};
 
 /// Density of blood, kg/m³.
@@ -61,7 +61,7 @@ impl State {
     ///
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
-        let circuit = Circuit::with(network, boundary, &[], tubes)?;
+        let circuit = Circuit::with(network, boundary, &Provisional::new(), tubes)?;
         let above_level = BatchSolver::for_few(&circuit)?.above_level(&circuit, |row| tubes[row].is_open())?;
         Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }
