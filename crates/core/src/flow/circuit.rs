@@ -2,7 +2,7 @@
 
 use super::{Boundary, Tube, boundary_conditions::Provisional};
 use crate::error::{Error, Result};
-use crate::network::{Condition, Network};
+use crate::network::{Condition, Network, walks::edges_at};
 
 /// Pressures that differ by less than this share of the larger one count as equal.
 const SAME: f64 = 1e-12;
@@ -143,6 +143,11 @@ impl Circuit {
     /// How many vessels and terminals there are.
     pub fn row_count(&self) -> usize {
         self.ends.len()
+    }
+
+    /// Per node the rows that lead from it to another one.
+    pub fn rows_at_nodes(&self) -> Vec<Vec<usize>> {
+        edges_at(self.node_count(), self.ends.iter().copied().enumerate().filter(|(_, [a, b])| a != b))
     }
 
     /// Per row whether it is open in every sample, given that of every vessel.

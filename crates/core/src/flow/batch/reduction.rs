@@ -6,6 +6,7 @@
 
 use crate::flow::circuit::{Circuit, TerminalLink, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
+use crate::{network::walks::other, support::grouped};
 
 /// A reduced circuit.
 #[derive(Debug)]
@@ -33,11 +34,8 @@ impl Reduction {
     /// Reduces a circuit whose `certain` vessels are open in every sample.
     pub fn of(circuit: &Circuit, certain: &[bool]) -> Self {
         let certain = &circuit.certain_rows(certain);
-        let Peeled { mut circuit, chain } = peel(circuit, certain);
-        let mut members = vec![Vec::new(); chain.len()];
-        for (row, chain) in chain.iter().enumerate().filter_map(|(row, chain)| Some((row, chain.as_ref()?))) {
-            members[chain.first].push(row);
-        }
+        let Peeled { mut circuit, stand_in } = peel(circuit, certain);
+        let members = grouped(stand_in.len(), stand_in.iter().enumerate().filter_map(|(row, first)| Some(((*first)?, row))));
         let trees = remove_trees(&mut circuit, certain, &members);
         finish(&circuit, members, trees)
     }
@@ -85,25 +83,18 @@ struct Leaf {
 /// the trees.
 fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<HangingTree> {
     let nodes = circuit.node_count();
-    let mut around = vec![Vec::new(); nodes];
-    for (chain, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
-        around[*a].push(chain as u32);
-        around[*b].push(chain as u32);
-    }
+    let around = circuit.rows_at_nodes();
     let mut left: Vec<usize> = around.iter().map(Vec::len).collect();
     let mut ground: Vec<Ground> = (0..nodes).map(|node| Ground::of(circuit, node)).collect();
     let mut leaves: Vec<usize> = (0..nodes).rev().filter(|node| left[*node] == 1).collect();
     let mut removed: Vec<Leaf> = Vec::new();
     while let Some(node) = leaves.pop() {
         let Ground::At(end) = ground[node] else { continue };
-        let Some(chain) = around[node].iter().map(|l| *l as usize).find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else {
-            continue;
-        };
+        let Some(chain) = around[node].iter().copied().find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else { continue };
         if !certain[chain] {
             continue;
         }
-        let [a, b] = circuit.ends[chain];
-        let on = if a == node { b } else { a };
+        let on = other(circuit.ends[chain], node);
         let conductance = circuit.conductance[chain];
         let (share, through) = if circuit.fixed[node].is_some() {
             (1.0, conductance)
