@@ -150,7 +150,7 @@ impl Balanced {
     /// The pressures that a solver found for vessels of these conductances (m³/(Pa s), zero where closed), refined where flows do not balance
     /// to 1e-12 of what passes a node; elsewhere they stay as they are, bit for bit. The circuit is that of one sample: its conditions hold.
     pub fn of(circuit: &Circuit, conductance: &[f64], above_level: &[Option<f64>]) -> Self {
-        debug_assert!(circuit.terminals.is_empty(), "a condition that may not hold");
+        debug_assert!(circuit.fixes.is_empty(), "a condition that may not hold");
         let drop = |[a, b]: &[usize; 2]| above_level[*a].zip(above_level[*b]).map_or(0.0, |(a, b)| a - b);
         let mut best = Self { above_level: above_level.to_vec(), drop: circuit.ends.iter().map(drop).collect() };
         let (mut lacking, mut worst) = best.imbalance(circuit, conductance);
@@ -163,7 +163,6 @@ impl Balanced {
         let mut of_changes = Circuit {
             conductance: conductance.to_vec(),
             fixed: circuit.fixed.iter().map(|fixed| fixed.map(|_| 0.0)).collect(),
-            injects: true,
             level: 0.0,
             ..circuit.clone()
         };

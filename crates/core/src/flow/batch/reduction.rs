@@ -4,7 +4,7 @@
 //! A tree whose ends have one pressure P₀ acts as a conductance to P₀ at its root in the core, and every drop in it is a fixed share of
 //! P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
-use crate::flow::circuit::{Circuit, TerminalLink, same_pressure};
+use crate::flow::circuit::{Circuit, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
 use crate::{network::walks::other, support::grouped};
 
@@ -141,8 +141,7 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<HangingTre
     for tree in &mut trees {
         tree.node = row_of[tree.node];
     }
-    let terminals = rows.iter().filter_map(|row| circuit.terminals.get(row.checked_sub(circuit.vessel_count())?));
-    let terminals = terminals.map(|terminal| TerminalLink { node: row_of[terminal.node], ..*terminal }).collect();
+    let fixes = rows.iter().filter_map(|row| circuit.fixes.get(row.checked_sub(circuit.vessel_count())?).copied());
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),
@@ -150,9 +149,8 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<HangingTre
         fixed: nodes.iter().map(|node| circuit.fixed[*node]).collect(),
         shunt: of(&circuit.shunt),
         source: of(&circuit.source),
-        injects: circuit.injects,
         level: circuit.level,
-        terminals,
+        fixes: fixes.collect(),
     };
     let mut members = members;
     let chains = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();
