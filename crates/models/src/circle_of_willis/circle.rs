@@ -231,7 +231,7 @@ fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
     let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
     for (row, meaning) in meanings.iter().enumerate() {
         let LabelMeaning::Artery(artery) = meaning else { continue };
-        if matches!(artery, Artery::A1(_) | Artery::P1(_) | Artery::PComm(_) | Artery::AComm) {
+        if artery.in_ring().is_some() {
             continue;
         }
         for node in network.ends(row).into_iter().filter(|node| degree[*node] == 1) {
