@@ -55,14 +55,14 @@ impl Case {
     pub fn pieces(&self) -> Result<Pieces> {
         let viscosity = params(Solver::Lanes, 1).viscosity;
         let vessels = self.network.vessel_count();
-        let Peeled { circuit, chain } = peel(&Circuit::new(&self.network, &self.boundary, viscosity)?, &vec![false; vessels]);
+        let Peeled { circuit, stand_in } = peel(&Circuit::new(&self.network, &self.boundary, viscosity)?, &vec![false; vessels]);
         let ends = (0..vessels).map(|row| self.network.ends(row));
-        let factor = self.network.vessels().zip(&chain).map(|((_, vessel), chain)| {
-            chain.map_or(0.0, |chain| resilience_per_square_drop(chain.conductance, vessel.volume()))
+        let factor = self.network.vessels().zip(&stand_in).map(|((_, vessel), first)| {
+            first.map_or(0.0, |first| resilience_per_square_drop(circuit.conductance[first], vessel.volume()))
         });
         Ok(Pieces {
             occlusion: Occlusion::new(self.network.vessels().map(|(_, vessel)| (1.0 - EPSILON) * vessel.prior)),
-            in_forest: ends.zip(&chain).map(|(ends, chain)| chain.map(|_| ends)).collect(),
+            in_forest: ends.zip(&stand_in).map(|(ends, first)| first.map(|_| ends)).collect(),
             factor: factor.collect(),
             circuit,
         })

@@ -81,7 +81,7 @@ impl Reference {
 fn circuit(nodes: usize, vessels: impl Iterator<Item = (usize, usize, f64)>) -> Circuit {
     let (ends, conductance) = vessels.map(|(a, b, c)| ([a, b], c)).unzip();
     let (fixed, shunt, source) = (vec![None; nodes], vec![0.0; nodes], vec![0.0; nodes]);
-    Circuit { ends, conductance, fixed, shunt, source, injects: false, level: 0.0, terminals: Vec::new() }
+    Circuit { ends, conductance, fixed, shunt, source, level: 0.0, fixes: Vec::new() }
 }
 
 /// The circuit with node n called `name(n)`: a bijection, and another order of elimination.

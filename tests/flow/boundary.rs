@@ -273,7 +273,7 @@ fn candidates_make_and_hide_no_free_end() {
     let boundary = resolve(&network, &[]);
     assert_eq!((&boundary.found_inlets[..], &boundary.found_outlets[..]), (&[1][..], &[0, 3, 4][..]));
     // Row 4 joins node 0 and 3, row 5 leaves node 4.
-    let provisional: Vec<_> = boundary.provisional(&network).into_iter().map(|p| (p.node, p.others)).collect();
+    let provisional: Vec<_> = boundary.provisional(&network).into_iter().collect();
     assert_eq!(provisional, [(0, vec![4]), (3, vec![4]), (4, vec![5])]);
     assert_eq!(boundary.held(&network, |row| row < 4).conditions.len(), 2, "the second part has no inlet");
     let joined = boundary.held(&network, |row| row != 5);

@@ -136,11 +136,10 @@ fn nothing_flows_in_a_dead_end() {
     let circuit = Circuit {
         ends: vec![[0, 1], [1, 2], [1, 3], [3, 4]],
         conductance: vec![1.0 / 3.0, 1.0 / 7.0, 1e9, 1e5],
-        terminals: Vec::new(),
+        fixes: Vec::new(),
         fixed: vec![Some(1e4), None, Some(0.0), None, None],
         shunt: vec![0.0; 5],
         source: vec![0.0; 5],
-        injects: false,
         level: 0.0,
     };
     let mut found = BatchSolver::for_few(&circuit).expect("compiles").above_level(&circuit, |_| true).expect("solved");
@@ -161,11 +160,10 @@ fn vessels_in_series_carry_one_flow() {
         let circuit = Circuit {
             ends: vec![[0, 1], [1, 2]],
             conductance: vec![stiff, 1.0],
-            terminals: Vec::new(),
+            fixes: Vec::new(),
             fixed: vec![Some(100.0), None, Some(0.0)],
             shunt: vec![0.0; 3],
             source: vec![0.0; 3],
-            injects: false,
             level: 0.0,
         };
         let found = BatchSolver::for_few(&circuit).expect("compiles").above_level(&circuit, |_| true).expect("solved");

@@ -1,6 +1,8 @@
 //! Boundary conditions: which nodes blood enters and leaves by, as given or as found. They are found at the free ends of a network; few of
 //! these, true and wide ones, are those that blood comes in by.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, ensure, require};
@@ -64,14 +66,8 @@ pub struct Boundary {
     pub named_outlets: Vec<usize>,
 }
 
-/// A found condition that holds only where none of some connections is there.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Provisional {
-    /// The free end.
-    pub node: usize,
-    /// The rows of the candidates and contacts there.
-    pub others: Vec<usize>,
-}
+/// The conditions found that hold only where no other connection is there: per free end the rows of the candidates and contacts there.
+pub type Provisional = BTreeMap<usize, Vec<usize>>;
 
 impl Boundary {
     /// The conditions given, and where they lack a source or a sink, those found at the free ends: what a file says that an earlier run
@@ -155,9 +151,9 @@ impl Boundary {
         nodes
     }
 
-    /// The found conditions at ends that a candidate or a contact leaves, in node order.
-    pub fn provisional(&self, network: &Network) -> Vec<Provisional> {
-        let mut at: std::collections::BTreeMap<usize, (bool, Vec<usize>)> =
+    /// The found conditions at ends that a candidate or a contact leaves.
+    pub fn provisional(&self, network: &Network) -> Provisional {
+        let mut at: BTreeMap<usize, (bool, Vec<usize>)> =
             self.found_inlets.iter().chain(&self.found_outlets).map(|node| (*node, (false, Vec::new()))).collect();
         for (row, ([a, b], vessel)) in network.vessels().enumerate() {
             for node in if a == b { vec![a] } else { vec![a, b] } {
@@ -168,7 +164,7 @@ impl Boundary {
         }
         // Where nothing is observed, the vessel of a free end is one of the others.
         let some = at.into_iter().filter(|(_, (is_end, others))| *is_end && !others.is_empty());
-        some.map(|(node, (_, others))| Provisional { node, others }).collect()
+        some.map(|(node, (_, others))| (node, others)).collect()
     }
 
     /// The conditions of the topology of the `open` vessels. Found ones at ends that were joined are gone, and so are found outlets of parts
@@ -176,9 +172,8 @@ impl Boundary {
     /// side as all did before; what a person or a file states stays.
     #[must_use]
     pub fn held(&self, network: &Network, open: impl Fn(usize) -> bool) -> Self {
-        let joined: Vec<usize> =
-            self.provisional(network).into_iter().filter(|p| p.others.iter().any(|row| open(*row))).map(|p| p.node).collect();
-        let holds = |node: usize| joined.binary_search(&node).is_err();
+        let provisional = self.provisional(network);
+        let holds = |node: usize| provisional.get(&node).is_none_or(|others| !others.iter().any(|row| open(*row)));
         let parts = fragments(network, |row, _| open(row));
         let fed = parts.holding(self.inlets().filter(|node| holds(*node)));
         let found_outlets: Vec<usize> = self.found_outlets.iter().copied().filter(|node| holds(*node) && fed[*node]).collect();

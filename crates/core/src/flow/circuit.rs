@@ -2,7 +2,7 @@
 
 use super::{Boundary, Tube, boundary_conditions::Provisional};
 use crate::error::{Error, Result};
-use crate::network::{Condition, Network};
+use crate::network::{Condition, Network, walks::edges_at};
 
 /// Pressures that differ by less than this share of the larger one count as equal.
 const SAME: f64 = 1e-12;
@@ -12,18 +12,12 @@ pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.max(b)
 }
 
-/// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or a
-/// mark that the node has the pressure outside. The link is open in the samples in which the condition holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TerminalLink {
-    /// The node.
-    pub node: usize,
-    /// Whether it fixes the pressure of the node: its conductance then is 1, and counts for nothing.
-    pub fixes: bool,
-}
-
 /// A resistor network in SI units. Kirchhoff's current law at every free node j, over its vessels e to nodes i:
-/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j. After the rows of the vessels come those of the [`TerminalLink`]s.
+/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j.
+///
+/// After the rows of the vessels come those of the *terminals*: boundary conditions that hold in some samples only, each as a link from its node
+/// to one outside, which is open in the samples in which the condition holds. It is a terminal resistance to the venous pressure, or a mark
+/// that the node has the pressure outside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circuit {
     /// The two nodes of each row.
@@ -36,12 +30,10 @@ pub struct Circuit {
     pub shunt: Vec<f64>,
     /// s: flow into each node from terminals and injections, m³/s at pressures above the level.
     pub source: Vec<f64>,
-    /// Whether a flow is injected at some node.
-    pub injects: bool,
     /// The lowest pressure of any condition, Pa. Solving above it keeps every term of the elimination non-negative.
     pub level: f64,
-    /// Conditions that hold in some samples only; the last rows, in this order.
-    pub terminals: Vec<TerminalLink>,
+    /// Per terminal whether it fixes the pressure of its node: its conductance then is 1, and counts for nothing.
+    pub fixes: Vec<bool>,
 }
 
 impl Circuit {
@@ -51,7 +43,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
-        Self::with(network, boundary, &[], &Tube::at_rest(network, viscosity))
+        Self::with(network, boundary, &Provisional::new(), &Tube::at_rest(network, viscosity))
     }
 
     /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance, and whose `provisional` conditions come and go.
@@ -59,7 +51,7 @@ impl Circuit {
     /// # Errors
     ///
     /// A vessel whose conductance is infinite, not a number, or too small for a double.
-    pub fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
+    pub fn with(network: &Network, boundary: &Boundary, provisional: &Provisional, tubes: &[Tube]) -> Result<Self> {
         let conductance = conductances(network, tubes)?;
         let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
         let level = grounds.fold(f64::INFINITY, f64::min);
@@ -71,12 +63,11 @@ impl Circuit {
             fixed: vec![None; nodes],
             shunt: vec![0.0; nodes],
             source: vec![0.0; nodes],
-            injects: false,
             level,
-            terminals: Vec::new(),
+            fixes: Vec::new(),
         };
         for (node, condition) in &boundary.conditions {
-            let is_provisional = provisional.binary_search_by_key(node, |p| p.node).is_ok();
+            let is_provisional = provisional.contains_key(node);
             match condition {
                 Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level),
                 Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
@@ -86,7 +77,7 @@ impl Circuit {
                 Condition::Resistance { resistance, venous } => {
                     (circuit.shunt[*node], circuit.source[*node]) = (1.0 / resistance, (venous - level) / resistance);
                 }
-                Condition::Flow(q) => (circuit.source[*node], circuit.injects) = (*q, true),
+                Condition::Flow(q) => circuit.source[*node] = *q,
             }
         }
         Ok(circuit)
@@ -104,7 +95,7 @@ impl Circuit {
         });
         self.ends.push([node, there]);
         self.conductance.push(conductance);
-        self.terminals.push(TerminalLink { node, fixes });
+        self.fixes.push(fixes);
     }
 
     /// The circuit of one sample, whose terminals that hold are conditions of their nodes; the others are gone. `open` says it of every row.
@@ -112,17 +103,14 @@ impl Circuit {
     pub fn in_sample(&self, open: impl Fn(usize) -> bool) -> Self {
         let vessels = self.vessel_count();
         let mut circuit = self.clone();
-        for (at, terminal) in circuit.terminals.drain(..).enumerate() {
-            let row = vessels + at;
-            if !open(row) {
-                continue;
-            }
-            let outside = self.fixed[self.ends[row][1]];
-            if terminal.fixes {
-                circuit.fixed[terminal.node] = outside;
+        for (row, fixes) in (vessels..).zip(circuit.fixes.drain(..)).filter(|(row, _)| open(*row)) {
+            let [node, outside] = self.ends[row];
+            let outside = self.fixed[outside];
+            if fixes {
+                circuit.fixed[node] = outside;
             } else {
-                circuit.shunt[terminal.node] = self.conductance[row];
-                circuit.source[terminal.node] = self.conductance[row] * outside.unwrap_or(0.0);
+                circuit.shunt[node] = self.conductance[row];
+                circuit.source[node] = self.conductance[row] * outside.unwrap_or(0.0);
             }
         }
         circuit.ends.truncate(vessels);
@@ -137,7 +125,7 @@ impl Circuit {
 
     /// How many vessels there are.
     pub fn vessel_count(&self) -> usize {
-        self.ends.len() - self.terminals.len()
+        self.ends.len() - self.fixes.len()
     }
 
     /// How many vessels and terminals there are.
@@ -145,9 +133,25 @@ impl Circuit {
         self.ends.len()
     }
 
+    /// Per node the rows that lead from it to another one.
+    pub fn rows_at_nodes(&self) -> Vec<Vec<usize>> {
+        edges_at(self.node_count(), self.ends.iter().copied().enumerate().filter(|(_, [a, b])| a != b))
+    }
+
     /// Per row whether it is open in every sample, given that of every vessel.
     pub fn certain_rows(&self, certain: &[bool]) -> Vec<bool> {
-        certain.iter().copied().chain(self.terminals.iter().map(|_| false)).collect()
+        certain.iter().copied().chain(self.fixes.iter().map(|_| false)).collect()
+    }
+
+    /// The rows of the terminals that fix the pressure of their node, with the two nodes of each.
+    pub fn fixing(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
+        let terminals = (self.vessel_count()..).zip(&self.fixes);
+        terminals.filter(|(_, fixes)| **fixes).map(|(row, _)| (row, self.ends[row]))
+    }
+
+    /// The nodes at which a flow is injected.
+    pub fn injected(&self) -> impl Iterator<Item = usize> {
+        (0..self.node_count()).filter(|node| self.source[*node] != 0.0 && !self.grounds(*node))
     }
 
     /// The conductance of a row in the first sample of a block, zero where bit 0 of its mask is not set.

@@ -101,14 +101,13 @@ impl Drops {
         let (Some(narrowest), Some(widest)) = (vessels.first(), vessels.last()) else { return false };
         let next = |at: Option<usize>| at.and_then(|at| vessels.get(at).copied());
         let (narrow, wide) = (next(Some(1)).unwrap_or(*narrowest), next(vessels.len().checked_sub(2)).unwrap_or(*widest));
-        let terminals = circuit.terminals.iter().zip(&circuit.conductance[circuit.vessel_count()..]);
-        let terminals = terminals.filter(|(terminal, _)| !terminal.fixes).map(|(_, conductance)| *conductance);
+        let terminals = circuit.fixes.iter().zip(&circuit.conductance[circuit.vessel_count()..]);
+        let terminals = terminals.filter(|(fixes, _)| !**fixes).map(|(_, conductance)| *conductance);
         let least = circuit.shunt.iter().copied().filter(|shunt| *shunt > 0.0).chain(terminals).fold(f64::INFINITY, f64::min);
         let levels = circuit.levels();
         let held = levels.iter().fold(0.0, |most, level| f64::max(most, (level + circuit.level).abs()));
         let range = if let [lowest, .., highest] = levels[..] { highest - lowest } else { f64::INFINITY };
-        let injects = |node: &usize| circuit.shunt[*node] == 0.0 && circuit.source[*node] != 0.0;
-        let injected: Vec<f64> = (0..circuit.node_count()).filter(injects).map(|node| circuit.source[node].abs()).collect();
+        let injected: Vec<f64> = circuit.injected().map(|node| circuit.source[node].abs()).collect();
         let pressure = held + injected.iter().copied().fold(0.0, f64::max) / least.min(*narrowest);
         let injected = injected.into_iter().fold(f64::INFINITY, f64::min);
         let by_pressure = if least < *narrowest {
@@ -157,9 +156,8 @@ impl Drops {
         let DropsWorkspace { held, conductance, ground, source, above, drop } = work;
         held.clear();
         held.extend(self.level.iter().zip(&circuit.fixed).map(|(level, fixed)| fixed.and(*level)));
-        let terminals = (circuit.vessel_count()..).zip(&circuit.terminals);
-        for (row, terminal) in terminals.filter(|(row, terminal)| terminal.fixes && open(*row)) {
-            held[terminal.node] = self.level[circuit.ends[row][1]];
+        for (_, [node, outside]) in circuit.fixing().filter(|(row, _)| open(*row)) {
+            held[node] = self.level[outside];
         }
         for list in [&mut *conductance, &mut *ground, &mut *source] {
             list.clear();
@@ -181,7 +179,7 @@ impl Drops {
                 [Some(_), Some(_)] => {}
             }
         }
-        let grounded = circuit.injects.then(|| grounded(circuit, &open));
+        let grounded = circuit.injected().next().map(|_| grounded(circuit, &open));
         for node in (0..circuit.node_count()).filter(|node| held[*node].is_none()) {
             let place = program.place(node) as usize;
             match self.level[node] {

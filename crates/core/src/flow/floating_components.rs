@@ -20,11 +20,10 @@ pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {
 /// The nodes whose injected flow has nowhere to go in some samples of a block, with those samples as bits; bit i of
 /// `masks[e]` says whether vessel e is open in sample i. Empty for a circuit without injections.
 pub fn stranded(circuit: &Circuit, masks: &[u64], samples: usize) -> Vec<(usize, u64)> {
-    if !circuit.injects {
-        return Vec::new();
+    let mut out: Vec<(usize, u64)> = circuit.injected().map(|node| (node, 0)).collect();
+    if out.is_empty() {
+        return out;
     }
-    let injected = (0..circuit.node_count()).filter(|n| circuit.source[*n] != 0.0 && !circuit.grounds(*n));
-    let mut out: Vec<(usize, u64)> = injected.map(|n| (n, 0)).collect();
     for sample in 0..samples {
         let grounded = grounded(circuit, |vessel| masks[vessel] >> sample & 1 == 1);
         for (node, bits) in &mut out {

@@ -9,25 +9,11 @@ use crate::network::walks::other;
 /// A circuit with its dead ends and certain chains taken out.
 #[derive(Debug, Clone)]
 pub struct Peeled {
-    /// The same rows of nodes and vessels. The first vessel of a chain stands for all of it; the others, and dead ends,
-    /// are self-loops; nodes inside are fixed at zero.
+    /// The same rows of nodes and vessels. The first vessel of a chain stands for all of it, between its ends and with its conductance
+    /// 1 / Σ R; the others, and dead ends, are self-loops; nodes inside are fixed at zero.
     pub circuit: Circuit,
-    /// Per vessel the chain that it is part of: the chain's ends and conductance (its own for most); `None` for dead
-    /// ends, which never carry flow.
-    pub chain: Vec<Option<Chain>>,
-}
-
-/// Vessels in series, or a single one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chain {
-    /// The nodes at its two ends.
-    pub ends: [usize; 2],
-    /// 1 / Σ R, m³/(Pa s).
-    pub conductance: f64,
-    /// How many vessels it has.
-    pub vessels: usize,
-    /// The row of the vessel that stands for all of it.
-    pub first: usize,
+    /// Per row the one that stands for its chain, its own for most; `None` for dead ends, which never carry flow.
+    pub stand_in: Vec<Option<usize>>,
 }
 
 struct ChainLink {
@@ -39,18 +25,12 @@ struct ChainLink {
 
 /// Peels a circuit whose `certain` rows are open in every sample.
 pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
-    let mut links: Vec<Option<ChainLink>> = Vec::with_capacity(circuit.row_count());
-    let mut around = vec![Vec::new(); circuit.node_count()];
-    for (vessel, ends) in circuit.ends.iter().enumerate() {
-        if ends[0] == ends[1] {
-            links.push(None);
-            continue;
-        }
-        around[ends[0]].push(vessel);
-        around[ends[1]].push(vessel);
-        let resistance = 1.0 / circuit.conductance[vessel];
-        links.push(Some(ChainLink { ends: *ends, resistance, members: vec![vessel], certain: certain[vessel] }));
-    }
+    let mut around = circuit.rows_at_nodes();
+    let link = |(row, ends): (usize, &[usize; 2])| {
+        let resistance = 1.0 / circuit.conductance[row];
+        (ends[0] != ends[1]).then(|| ChainLink { ends: *ends, resistance, members: vec![row], certain: certain[row] })
+    };
+    let mut links: Vec<Option<ChainLink>> = circuit.ends.iter().enumerate().map(link).collect();
     let inner = |node: usize| circuit.is_inner(node);
     let mut gone = vec![false; circuit.node_count()];
     let mut open: Vec<usize> = (0..circuit.node_count()).rev().filter(|n| inner(*n)).collect();
@@ -84,18 +64,18 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
             _ => {}
         }
     }
-    let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.row_count()] };
+    let mut peeled = Peeled { circuit: circuit.clone(), stand_in: vec![None; circuit.row_count()] };
     for [a, b] in &mut peeled.circuit.ends {
         *b = *a;
     }
     for link in links.iter().flatten() {
-        let single = link.members.len() == 1;
-        let conductance = if single { circuit.conductance[link.members[0]] } else { 1.0 / link.resistance };
-        let stand_in = link.members.iter().copied().min().unwrap_or_default();
-        peeled.circuit.ends[stand_in] = link.ends;
-        peeled.circuit.conductance[stand_in] = conductance;
+        let first = link.members.iter().copied().min().unwrap_or_default();
+        peeled.circuit.ends[first] = link.ends;
+        if link.members.len() > 1 {
+            peeled.circuit.conductance[first] = 1.0 / link.resistance;
+        }
         for member in &link.members {
-            peeled.chain[*member] = Some(Chain { ends: link.ends, conductance, vessels: link.members.len(), first: stand_in });
+            peeled.stand_in[*member] = Some(first);
         }
     }
     for (node, _) in gone.iter().enumerate().filter(|(_, gone)| **gone) {

@@ -72,10 +72,8 @@ impl Check {
     ) -> Residual {
         let Self { at, fixed } = self;
         fixed.clone_from(&circuit.fixed);
-        for (row, terminal) in (circuit.vessel_count()..).zip(&circuit.terminals) {
-            if terminal.fixes && conductance(row) > 0.0 {
-                fixed[terminal.node] = circuit.fixed[circuit.ends[row][1]];
-            }
+        for (_, [node, outside]) in circuit.fixing().filter(|(row, _)| conductance(*row) > 0.0) {
+            fixed[node] = circuit.fixed[outside];
         }
         let vessels = || circuit.ends.iter().enumerate().map(|(vessel, ends)| (ends, conductance(vessel)));
         let free = || (0..circuit.node_count()).filter(|node| fixed[*node].is_none());

@@ -9,7 +9,7 @@
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
-use super::{BatchSolver, Boundary, Circuit, Tube, is_diffused, resilience};
+use super::{BatchSolver, Boundary, Circuit, Tube, boundary_conditions::Provisional, is_diffused, resilience};
 use crate::{error::Result, network::Network};
 
 /// Density of blood, kg/m³.
@@ -61,7 +61,7 @@ impl State {
     ///
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
-        let circuit = Circuit::with(network, boundary, &[], tubes)?;
+        let circuit = Circuit::with(network, boundary, &Provisional::new(), tubes)?;
         let solver = BatchSolver::for_few(&circuit)?;
         let above_level = solver.above_level(&circuit, |row| tubes[row].is_open())?;
         Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level, Some(&solver)))
@@ -160,7 +160,7 @@ impl Balanced {
     /// to 1e-12 of what passes a node; elsewhere they stay as they are, bit for bit. The circuit is that of one sample: its conditions hold.
     /// `solver` is one of that circuit, whatever its conductances.
     pub fn of(circuit: &Circuit, conductance: &[f64], above_level: &[Option<f64>], solver: Option<&BatchSolver>) -> Self {
-        debug_assert!(circuit.terminals.is_empty(), "a condition that may not hold");
+        debug_assert!(circuit.fixes.is_empty(), "a condition that may not hold");
         let drop = |[a, b]: &[usize; 2]| above_level[*a].zip(above_level[*b]).map_or(0.0, |(a, b)| a - b);
         let mut best = Self { above_level: above_level.to_vec(), drop: circuit.ends.iter().map(drop).collect() };
         let (mut lacking, mut worst) = best.imbalance(circuit, conductance);
@@ -173,7 +173,6 @@ impl Balanced {
         let mut of_changes = Circuit {
             conductance: conductance.to_vec(),
             fixed: circuit.fixed.iter().map(|fixed| fixed.map(|_| 0.0)).collect(),
-            injects: true,
             level: 0.0,
             ..circuit.clone()
         };

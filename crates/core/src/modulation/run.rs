@@ -55,7 +55,7 @@ pub fn modulate(
     check_memory(network, params)?;
     drives_flow(network, boundary)?;
     let tubes = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::with(network, boundary, &[], &tubes)?;
+    let circuit = Circuit::new(network, boundary, params.viscosity)?;
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
     unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);

@@ -10,7 +10,7 @@ use super::{SamplingOptions, choose_solver};
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::{BatchSolver, Circuit, drops::Drops, resilience, resilience_per_square_drop, resilience_per_square_flow};
 use crate::flow::{batch::reduction::Reduction, circuit::beyond_doubles};
-use crate::{error::Result, error::ensure, network::Network, support::simd::InstructionSet};
+use crate::{error::Result, error::ensure, network::Network, support::counted, support::simd::InstructionSet};
 
 impl SampledGraph {
     /// Reduces a circuit whose `certain` vessels are open in every sample, and prepares its samples.
@@ -130,37 +130,33 @@ impl SampledGraph {
         let of_square_flow: Vec<f64> =
             network.vessels().zip(&circuit.conductance).map(|((_, v), c)| resilience(1.0 / c, 1.0, v.volume())).collect();
         let ties = Ties::new(circuit, &of_square_flow);
-        let Peeled { circuit, chain } = peel(circuit, &circuit.certain_rows(certain));
+        let Peeled { circuit, stand_in } = peel(circuit, &circuit.certain_rows(certain));
         let Some(solver) = BatchSolver::star_mesh(&circuit, most_joins) else { return Ok(None) };
-        let slots = |ends: [usize; 2]| ends.map(|node| solver.slot(node) as u32);
+        let in_chain = counted(circuit.row_count(), stand_in.iter().flatten().copied());
         let mut rows = Vec::with_capacity(ends.len());
-        for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
-            let factor = match (chain, vessel.resistance) {
-                (None, _) => 0.0,
-                (Some(chain), _) if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
-                (Some(chain), Some(resistance)) => {
-                    let own = chain.conductance * resistance;
-                    resilience_per_square_drop(chain.conductance * own, vessel.volume())
-                }
-                (Some(chain), None) => {
-                    let squared = chain.conductance * chain.conductance;
-                    squared * resilience_per_square_flow(params.viscosity, vessel.radius)
-                }
+        for (row, ((_, vessel), first)) in network.vessels().zip(&stand_in).enumerate() {
+            let stand_in = first.unwrap_or(row);
+            let conductance = circuit.conductance[stand_in];
+            let factor = match vessel.resistance {
+                _ if first.is_none() => 0.0,
+                _ if in_chain[stand_in] == 1 => resilience_per_square_drop(conductance, vessel.volume()),
+                Some(resistance) => resilience_per_square_drop(conductance * (conductance * resistance), vessel.volume()),
+                None => conductance * conductance * resilience_per_square_flow(params.viscosity, vessel.radius),
             };
-            ensure(chain.is_none() || factor.is_normal(), || beyond_doubles(network, row, "resilience"))?;
+            ensure(first.is_none() || factor.is_normal(), || beyond_doubles(network, row, "resilience"))?;
             rows.push(RowFlow {
                 conductance: None,
                 factor,
                 total_share: 1.0,
-                slots: slots(chain.map_or([ends[row][0]; 2], |chain| chain.ends)),
+                slots: circuit.ends[stand_in].map(|node| solver.slot(node) as u32),
                 vessel: row as u32,
                 equals: [0; 2],
                 others: None,
                 may_close: true,
-                stand_in: chain.map_or(row, |chain| chain.first) as u32,
+                stand_in: stand_in as u32,
             });
         }
-        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&chain).map(|(e, chain)| chain.map(|_| *e)).collect();
+        let in_forest: Vec<Option<[usize; 2]>> = ends.iter().zip(&stand_in).map(|(ends, first)| first.map(|_| *ends)).collect();
         Ok(Some(Self {
             drops: Drops::may_hide(&circuit).then(|| Drops::compile(&circuit, most_joins)).flatten(),
             forest: choose_solver::forest_program(network.node_count(), &in_forest),

@@ -359,10 +359,9 @@ impl PartialRun {
         border(blocks.end) - border(blocks.start)
     }
 
-    /// The sums over the blocks that are finished, as the largest nodes of the dyadic tree that they fill. Each has its first block, its
-    /// number of blocks, and their sum.
-    pub fn nodes(&self) -> impl ExactSizeIterator<Item = (u64, u64, &Sums)> {
-        self.sums.nodes()
+    /// The sums over the blocks that are finished.
+    pub fn sums(&self) -> &DyadicSums {
+        &self.sums
     }
 
     /// L of the uncertain vessels over each step that is finished, by its number.
@@ -388,7 +387,7 @@ impl PartialRun {
     /// Whether all blocks of a step are finished.
     pub fn holds_step(&self, at: u64) -> bool {
         let last = (at + 1).checked_mul(self.step).filter(|last| *last <= self.blocks());
-        last.is_some_and(|last| self.gaps(last - self.step..last).is_empty())
+        last.is_some_and(|last| self.sums.gaps(last - self.step..last).is_empty())
     }
 
     /// Whether L is known over every step whose blocks are finished.
@@ -415,11 +414,6 @@ impl PartialRun {
         self.steps.insert(at, likelihood);
     }
 
-    /// The blocks of a range that are not finished.
-    pub fn gaps(&self, blocks: Range<u64>) -> Vec<Range<u64>> {
-        self.sums.gaps(blocks)
-    }
-
     /// Makes this the part of a run of twice as many samples. The run must consist of whole blocks.
     pub fn double(&mut self) {
         debug_assert!(self.samples.is_multiple_of(BLOCK));
@@ -441,11 +435,6 @@ impl PartialRun {
         }
     }
 
-    /// The sums over all that is finished; `None` where nothing is.
-    pub fn total(&self) -> Option<Sums> {
-        self.sums.total()
-    }
-
     /// The convergence record of a part that is the whole run: L of the uncertain vessels after each step.
     pub fn trace(&self) -> Vec<Snapshot> {
         let (mut so_far, mut trace, mut spare) = (DyadicSums::default(), Vec::new(), Vec::new());
@@ -456,7 +445,7 @@ impl PartialRun {
             trace.extend(so_far.total().map(|sums| Snapshot { samples, likelihood: sums.likelihood }));
         }
         if !self.blocks().is_multiple_of(self.step)
-            && let Some(total) = self.total()
+            && let Some(total) = self.sums.total()
         {
             trace.push(Snapshot { samples: total.samples, likelihood: of_uncertain(&total.likelihood, &self.uncertain) });
         }

@@ -142,20 +142,21 @@ impl SamplingOptions {
     }
 
     /// The conditions found that do not hold in every sample, each with the rows of the candidates and contacts that speak against it.
-    pub fn provisional(&self, network: &Network, boundary: &Boundary) -> Vec<Provisional> {
+    pub fn provisional(&self, network: &Network, boundary: &Boundary) -> Provisional {
         if self.uniform_prior || self.found_conditions == FoundConditions::Fixed {
-            return Vec::new();
+            return Provisional::new();
         }
         let speaks = |row: &usize| {
             let vessel = network.vessel(*row);
             let is_sure = vessel.evidence().is_some_and(|evidence| evidence.probability >= 1.0);
             vessel.certain || vessel.prior > 0.0 && (vessel.prior < 1.0 || is_sure)
         };
-        let some = boundary.provisional(network).into_iter().map(|mut at| {
-            at.others.retain(speaks);
-            at
+        let mut provisional = boundary.provisional(network);
+        provisional.retain(|_, others| {
+            others.retain(speaks);
+            !others.is_empty()
         });
-        some.filter(|at| !at.others.is_empty()).collect()
+        provisional
     }
 
     /// The chance that a vessel which a sample closed is a true connection all the same, only occluded: εA/(1 - λA); zero of one that is never
@@ -170,9 +171,9 @@ impl SamplingOptions {
         let provisional = self.provisional(network, boundary);
         // The probability that a connection is none, whatever is occluded.
         let is_none = |vessel: &Vessel| if vessel.certain { 0.0 } else { 1.0 - vessel.prior };
-        let holds = |node: usize| match provisional.binary_search_by_key(&node, |at| at.node) {
-            Err(_) => 1.0,
-            Ok(at) => provisional[at].others.iter().map(|row| is_none(network.vessel(*row))).product::<f64>(),
+        let holds = |node: usize| {
+            let others = provisional.get(&node).into_iter().flatten();
+            others.map(|row| is_none(network.vessel(*row))).product::<f64>()
         };
         let inlets = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet);
         1.0 - inlets.map(|node| 1.0 - holds(node)).product::<f64>()
@@ -226,9 +227,9 @@ impl Patterns {
     /// # Errors
     ///
     /// Too many uncertain vessels to enumerate.
-    pub fn new(network: &Network, provisional: &[Provisional], params: &SamplingOptions) -> Result<Self> {
+    pub fn new(network: &Network, provisional: &Provisional, params: &SamplingOptions) -> Result<Self> {
         let (mut keep, vessels) = (params.keep_probabilities(network), network.vessel_count());
-        let mut against: Vec<Vec<usize>> = provisional.iter().map(|at| at.others.clone()).collect();
+        let mut against: Vec<Vec<usize>> = provisional.values().cloned().collect();
         let mut drawn = BTreeMap::new();
         for rows in &mut against {
             for at in 0..rows.len() {

@@ -146,7 +146,7 @@ impl Sampling {
         let (total, done) = (part.samples(), part.done());
         // The blocks of a unit, a power of two. Units are given out in rising order, so that finished ones soon join their neighbours.
         let unit = part.step().min(UNIT);
-        let units = part.gaps(0..part.blocks()).into_iter().flat_map(move |gap| {
+        let units = part.sums().gaps(0..part.blocks()).into_iter().flat_map(move |gap| {
             let numbers = gap.start / unit..gap.end.div_ceil(unit);
             numbers.map(move |number| gap.start.max(number * unit)..gap.end.min((number + 1) * unit))
         });
@@ -222,7 +222,7 @@ impl Sampling {
 
     /// The likelihoods, from a part that is the whole run.
     pub fn likelihood(&self, part: &PartialRun) -> Likelihood {
-        let sums = part.total().unwrap_or_default();
+        let sums = part.sums().total().unwrap_or_default();
         if let Some(samples) = self.scaled_to {
             return Likelihood::exact(sums, self.uncertain.clone(), samples);
         }

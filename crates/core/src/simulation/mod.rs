@@ -201,7 +201,7 @@ pub struct ClosedVessel {
 pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before: &State) -> Result<Vec<ClosedVessel>> {
     let at_rest = Tube::at_rest(network, viscosity);
     // Compiled once: a closed vessel is a row that is not open.
-    let circuit = Circuit::with(network, boundary, &[], &at_rest)?;
+    let circuit = Circuit::new(network, boundary, viscosity)?;
     let solver = BatchSolver::for_few(&circuit)?;
     let outlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet).collect();
     let had = delivered(network, before, &outlets);

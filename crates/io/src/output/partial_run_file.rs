@@ -35,19 +35,19 @@ const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
 ///
 /// The writer's own.
 pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
-    let (m, k) = (part.nodes().len(), part.steps().len());
+    let (m, k) = (part.sums().nodes().len(), part.steps().len());
     let vessels = part.uncertain().len();
     let uncertain_count = part.uncertain().iter().filter(|u| **u).count();
     let array =
         |name: &str, shape: &[usize], values: Vec<f64>| NamedArray { name: name.to_owned(), shape: shape.to_vec(), values };
     let small = [
         array("run", &[2], vec![part.samples() as f64, part.step() as f64]),
-        array("blocks", &[m, 2], part.nodes().flat_map(|(first, blocks, _)| [first as f64, blocks as f64]).collect()),
+        array("blocks", &[m, 2], part.sums().nodes().flat_map(|(first, blocks, _)| [first as f64, blocks as f64]).collect()),
     ];
-    let figures = FIGURES.map(|(name, of)| array(name, &[m], part.nodes().map(|(_, _, sums)| of(sums)).collect()));
-    let large = VECTORS
-        .iter()
-        .map(|(name, of)| array(name, &[m, vessels], part.nodes().flat_map(|(_, _, sums)| of(sums).iter().copied()).collect()));
+    let figures = FIGURES.map(|(name, of)| array(name, &[m], part.sums().nodes().map(|(_, _, sums)| of(sums)).collect()));
+    let large = VECTORS.iter().map(|(name, of)| {
+        array(name, &[m, vessels], part.sums().nodes().flat_map(|(_, _, sums)| of(sums).iter().copied()).collect())
+    });
     let steps = array("step", &[k], part.steps().map(|(at, _)| at as f64).collect());
     let trace = std::iter::once_with(|| {
         array("trace", &[k, uncertain_count], part.steps().flat_map(|(_, likelihood)| likelihood.iter().copied()).collect())

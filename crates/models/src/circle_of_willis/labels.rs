@@ -159,7 +159,7 @@ fn artery_of_code(code: &str, names: &[&str]) -> Option<Artery> {
 fn artery_of_name(label: &str) -> Option<Artery> {
     let mut side = None;
     let mut words = Vec::new();
-    for word in label.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()) {
+    for word in words_of(label) {
         match (side_of(word), side) {
             (Some(new), None) => side = Some(new),
             (Some(_), Some(_)) => return None,
@@ -328,16 +328,16 @@ fn at_fork_of(artery: Artery) -> Option<Vec<Artery>> {
     })
 }
 
-/// The arteries that meet where one begins.
+/// The arteries that meet where one begins: where the one before it divides.
 fn at_origin_of(artery: Artery) -> Option<Vec<Artery>> {
-    Some(match artery {
-        Artery::M1(s) | Artery::Mca(s) | Artery::A1(s) | Artery::Aca(s) => vec![Artery::Ica(s), Artery::M1(s), Artery::A1(s)],
-        Artery::M2(s) => vec![Artery::M1(s)],
-        Artery::A2(s) => vec![Artery::A1(s), Artery::A2(s)],
-        Artery::P1(_) | Artery::Pca(_) => vec![Artery::Ba, Artery::P1(BodySide::Left), Artery::P1(BodySide::Right)],
-        Artery::P2(s) => vec![Artery::P1(s), Artery::P2(s)],
-        Artery::PComm(s) => vec![Artery::Ica(s), artery],
-        Artery::Ba => vec![artery, Artery::Va(BodySide::Left), Artery::Va(BodySide::Right)],
+    at_fork_of(match artery {
+        Artery::M1(s) | Artery::Mca(s) | Artery::A1(s) | Artery::Aca(s) => Artery::Ica(s),
+        Artery::M2(s) => Artery::M1(s),
+        Artery::A2(s) => Artery::A1(s),
+        Artery::P1(_) | Artery::Pca(_) => Artery::Ba,
+        Artery::P2(s) => Artery::P1(s),
+        Artery::PComm(s) => return Some(vec![Artery::Ica(s), artery]),
+        Artery::Ba => Artery::Va(BodySide::Left),
         Artery::Ica(_) | Artery::Va(_) | Artery::AComm | Artery::ThirdA2 => return None,
     })
 }

@@ -4,8 +4,9 @@
 //! A tree whose ends have one pressure P₀ acts as a conductance to P₀ at its root in the core, and every drop in it is a fixed share of
 //! P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
-use crate::flow::circuit::{Circuit, TerminalLink, same_pressure};
+use crate::flow::circuit::{Circuit, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
+use crate::{network::walks::other, support::grouped};
 
 /// A reduced circuit.
 #[derive(Debug)]
@@ -33,11 +34,8 @@ impl Reduction {
     /// Reduces a circuit whose `certain` vessels are open in every sample.
     pub fn of(circuit: &Circuit, certain: &[bool]) -> Self {
         let certain = &circuit.certain_rows(certain);
-        let Peeled { mut circuit, chain } = peel(circuit, certain);
-        let mut members = vec![Vec::new(); chain.len()];
-        for (row, chain) in chain.iter().enumerate().filter_map(|(row, chain)| Some((row, chain.as_ref()?))) {
-            members[chain.first].push(row);
-        }
+        let Peeled { mut circuit, stand_in } = peel(circuit, certain);
+        let members = grouped(stand_in.len(), stand_in.iter().enumerate().filter_map(|(row, first)| Some(((*first)?, row))));
         let trees = remove_trees(&mut circuit, certain, &members);
         finish(&circuit, members, trees)
     }
@@ -85,25 +83,18 @@ struct Leaf {
 /// the trees.
 fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<HangingTree> {
     let nodes = circuit.node_count();
-    let mut around = vec![Vec::new(); nodes];
-    for (chain, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
-        around[*a].push(chain as u32);
-        around[*b].push(chain as u32);
-    }
+    let around = circuit.rows_at_nodes();
     let mut left: Vec<usize> = around.iter().map(Vec::len).collect();
     let mut ground: Vec<Ground> = (0..nodes).map(|node| Ground::of(circuit, node)).collect();
     let mut leaves: Vec<usize> = (0..nodes).rev().filter(|node| left[*node] == 1).collect();
     let mut removed: Vec<Leaf> = Vec::new();
     while let Some(node) = leaves.pop() {
         let Ground::At(end) = ground[node] else { continue };
-        let Some(chain) = around[node].iter().map(|l| *l as usize).find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else {
-            continue;
-        };
+        let Some(chain) = around[node].iter().copied().find(|l| circuit.ends[*l][0] != circuit.ends[*l][1]) else { continue };
         if !certain[chain] {
             continue;
         }
-        let [a, b] = circuit.ends[chain];
-        let on = if a == node { b } else { a };
+        let on = other(circuit.ends[chain], node);
         let conductance = circuit.conductance[chain];
         let (share, through) = if circuit.fixed[node].is_some() {
             (1.0, conductance)
@@ -150,8 +141,7 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<HangingTre
     for tree in &mut trees {
         tree.node = row_of[tree.node];
     }
-    let terminals = rows.iter().filter_map(|row| circuit.terminals.get(row.checked_sub(circuit.vessel_count())?));
-    let terminals = terminals.map(|terminal| TerminalLink { node: row_of[terminal.node], ..*terminal }).collect();
+    let fixes = rows.iter().filter_map(|row| circuit.fixes.get(row.checked_sub(circuit.vessel_count())?).copied());
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),
@@ -159,9 +149,8 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<HangingTre
         fixed: nodes.iter().map(|node| circuit.fixed[*node]).collect(),
         shunt: of(&circuit.shunt),
         source: of(&circuit.source),
-        injects: circuit.injects,
         level: circuit.level,
-        terminals,
+        fixes: fixes.collect(),
     };
     let mut members = members;
     let chains = rows.iter().map(|row| std::mem::take(&mut members[*row])).collect();

@@ -12,6 +12,7 @@ use std::collections::HashMap;
 use super::conductances::Conductances;
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
+use crate::support::marked;
 use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// The compiled elimination of a circuit.
@@ -88,8 +89,8 @@ impl StarMesh {
             };
         }
         let (mut links, mut grounds) = (Vec::new(), Vec::new());
-        let fixes = |row: usize| row.checked_sub(circuit.vessel_count()).is_some_and(|at| circuit.terminals[at].fixes);
-        for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(row, e)| e[0] != e[1] && !fixes(*row)) {
+        let fixing = marked(circuit.row_count(), circuit.fixing().map(|(row, _)| row));
+        for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(row, e)| e[0] != e[1] && !fixing[*row]) {
             let vessel = vessel as u32;
             match (circuit.fixed[a], circuit.fixed[b]) {
                 (None, None) => links.push((vessel, [slot[a], slot[b]])),
@@ -232,10 +233,8 @@ impl StarMesh {
 fn holds(circuit: &Circuit, slot: &[u32], program: &Elimination) -> Vec<Hold> {
     let is_free = |node: usize| circuit.fixed[node].is_none();
     let mut rays: std::collections::BTreeMap<usize, Vec<[u32; 2]>> = std::collections::BTreeMap::new();
-    let rows = (circuit.vessel_count()..).zip(&circuit.terminals);
-    let fixing = rows.filter(|(row, terminal)| terminal.fixes && circuit.ends[*row][0] != circuit.ends[*row][1]);
-    let fixing: Vec<(usize, usize)> = fixing.map(|(row, terminal)| (row, terminal.node)).filter(|(_, n)| is_free(*n)).collect();
-    for (_, node) in &fixing {
+    let fixing: Vec<(usize, [usize; 2])> = circuit.fixing().filter(|(_, [node, to])| node != to && is_free(*node)).collect();
+    for (_, [node, _]) in &fixing {
         rays.insert(*node, Vec::new());
     }
     for &[a, b] in circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)) {
@@ -248,8 +247,8 @@ fn holds(circuit: &Circuit, slot: &[u32], program: &Elimination) -> Vec<Hold> {
             }
         }
     }
-    let mut hold = |(row, node): (usize, usize)| {
-        let pressure = circuit.fixed[circuit.ends[row][1]]?;
+    let mut hold = |(row, [node, outside]): (usize, [usize; 2])| {
+        let pressure = circuit.fixed[outside]?;
         Some(Hold { terminal: row as u32, place: slot[node], pressure, rays: rays.remove(&node)? })
     };
     fixing.into_iter().filter_map(&mut hold).collect()
