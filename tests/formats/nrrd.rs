@@ -230,6 +230,9 @@ fn segments_of_3d_slicer_are_classes_with_names_in_several_layers() {
     let single: Vec<u8> = (voxels.chunks(2)).map(|both| if both[1] > 0 { 3 } else { both[0] }).collect();
     let one = [("note:=a: b", &*swaps[4].1.replace("Layer:=1", "Layer:=0"))];
     assert_eq!(labels(&nrrd(&one, &single)).0, ["Left ICA", "M1: left"]);
+    // An end of line after the last voxel is no voxel.
+    let (found, notes) = labels(&[nrrd(&one, &single), b"\n".to_vec()].concat());
+    assert!(found == ["Left ICA", "M1: left"] && !notes.contains("of no segment"), "{notes}");
     // Names are for segments; a level takes the values as they are.
     let level = ReadOptions { level: Some(3.0), ..ReadOptions::default() };
     assert_eq!(ends(read_first(&[("a.seg.nrrd", &nrrd(&one, &single))], &level).expect("read")), tips(ITK));

@@ -95,6 +95,8 @@ impl Layers {
             LayeredVoxel { class, is_unnamed, is_shared: last.is_some() }
         };
         let mut block = Vec::with_capacity(PIECE * bytes);
+        // What comes after the last voxel is read to the end of the stream, and is none.
+        let mut left = voxels.shape.iter().product::<usize>();
         // Most voxels are as the one before.
         let (mut stored, mut found) = (vec![0; bytes], LayeredVoxel::default());
         let classes = Pieces::new(|piece| {
@@ -105,8 +107,9 @@ impl Layers {
                     stored.copy_from_slice(voxel);
                     found = found_in(voxel);
                 }
-                unnamed.set(unnamed.get() + usize::from(found.is_unnamed));
-                shared.set(shared.get() + usize::from(found.is_shared));
+                unnamed.set(unnamed.get() + usize::from(found.is_unnamed && left > 0));
+                shared.set(shared.get() + usize::from(found.is_shared && left > 0));
+                left = left.saturating_sub(1);
                 piece.push(found.class);
             }
             Ok(())
