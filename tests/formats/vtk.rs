@@ -13,7 +13,7 @@ use willis::internals::formats::{
 };
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{Scale, metres};
-use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract, fragments};
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract, fragments};
 
 /// Names of the links and radii (mm) of the points, in their order.
 fn names(lines: &Centerlines) -> Vec<&str> {
@@ -276,7 +276,8 @@ fn what_is_written_comes_back_to_the_last_bit() {
     }
 }
 
-/// Two vessels that cross, cut apart: each has a junction of its own at the place of the crossing. What willis writes says so.
+/// Two vessels that cross, cut apart: each has a junction of its own at the place of the crossing. What willis writes says so. A contact between
+/// the two, which has no length as a line, makes them one.
 #[test]
 fn vessels_that_were_cut_apart_stay_apart() {
     let mut network = Network::new();
@@ -294,13 +295,16 @@ fn vessels_that_were_cut_apart_stay_apart() {
         let path = ends.map(|node| PathPoint { position: network.node(node).position.unwrap(), radius: metres(0.5), id: None });
         network.add_vessel(ends, Vessel::along(path.to_vec(), RadiusRule::Mean));
     }
-    let (_, stated) = graph_columns(&network);
+    let mut joined = network.clone();
+    joined.add_vessel([0, 1], Vessel::new(metres(0.025), metres(0.5), Origin::Contact));
+    let [apart, one] = [&network, &joined].map(|network| graph_columns(network).1);
     let folder = tempfile::tempdir().unwrap();
-    for (columns, found) in [(&stated[..], (2, 2)), (&[][..], (1, 4))] {
+    let cases = [(&network, &apart[..], (2, 2)), (&network, &[][..], (1, 4)), (&joined, &one[..], (1, 4))];
+    for (network, columns, found) in cases {
         for name in ["a.vtk", "a.vtp"] {
             let (path, mut bytes) = (folder.path().join(name), Vec::new());
             let write =
-                if name == "a.vtk" { write_vtk(&mut bytes, &network, columns) } else { write_vtp(&mut bytes, &network, columns) };
+                if name == "a.vtk" { write_vtk(&mut bytes, network, columns) } else { write_vtp(&mut bytes, network, columns) };
             write.unwrap();
             std::fs::write(&path, bytes).unwrap();
             let read = willis::read(&path, &ReadOptions::default()).unwrap().network;

@@ -8,6 +8,7 @@ pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
 use data::{PolyLine, PolyLines};
 
 use crate::formats::{Centerlines, Fault, ReadOptions, ensure, parts_of};
+use willis_core::network::Fragments;
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -75,7 +76,7 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
         all.sources = tracts::common_start(&all, starts);
     }
     notes.extend(run_together);
-    Ok((Centerlines { states_nodes, ..build(&all, &ids) }, notes))
+    Ok((build(&all, &ids, states_nodes), notes))
 }
 
 /// The points of each line, checked.
@@ -102,14 +103,18 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
     Ok(out)
 }
 
-fn build(all: &PolyLines, ids: &[u64]) -> Centerlines {
-    let mut out = Centerlines::default();
-    let mut row_of = std::collections::HashMap::<u32, u32>::new();
+/// Where the lines state their nodes, two of them that a line of no length joins, as at a contact, are one.
+fn build(all: &PolyLines, ids: &[u64], states_nodes: bool) -> Centerlines {
+    let mut out = Centerlines { states_nodes, ..Centerlines::default() };
+    let mut row_of = std::collections::HashMap::<usize, u32>::new();
+    let pairs = all.each.iter().filter(|_| states_nodes).flat_map(|line| line.points.windows(2));
+    let joined = pairs.map(|pair| [pair[0] as usize, pair[1] as usize]).filter(|[a, b]| all.at[*a] == all.at[*b]);
+    let place = Fragments::over(all.at.len(), joined).of_node;
     for line in &all.each {
         let mut before = None;
         for (n, point) in line.points.iter().enumerate() {
             let p = *point as usize;
-            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], 0));
+            let row = *row_of.entry(place[p]).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], 0));
             if let Some(before) = before.replace(row).filter(|before| *before != row) {
                 out.add_link([before, row], all.names[line.names[n - 1] as usize].trim());
             }
@@ -117,7 +122,7 @@ fn build(all: &PolyLines, ids: &[u64]) -> Centerlines {
     }
     // Lines that share points are one tree, as it is in SWC.
     out.strand = parts_of(out.points.len(), &out.links);
-    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
+    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(&place[*stays as usize])?)));
     out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
     out.sources = all.sources.iter().map(|point| ids[*point as usize]).collect();
     out
