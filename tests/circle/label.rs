@@ -496,7 +496,7 @@ fn probabilities_are_those_of_the_log_likelihoods() {
     let pose = Pose { turn: rotation([0.2, -0.1, 0.3]), shift: [3.0, -2.0, 5.0], log_scale: 0.05 };
     for (tau, parts) in [(7.0, [1.0, 1.0, 0.5]), (0.0, [1.0; 3])] {
         let precisions = atlas.widened(tau);
-        let logs = case.emission(&pose, &precisions, parts);
+        let logs = case.emission(&case.fit(&pose, &precisions), parts);
         let weights: Vec<f64> = logs.iter().zip(atlas.prior.iter().cycle()).map(|(e, p)| e.exp() * p).collect();
         let sums: Vec<f64> = weights.chunks(STATES).map(|row| row.iter().sum()).collect();
         let sum: f64 = sums.iter().map(|sum| sum.ln()).sum();

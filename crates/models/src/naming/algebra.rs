@@ -2,8 +2,10 @@
 
 #![expect(clippy::inline_always, reason = "a kernel is compiled as a whole for each instruction set")]
 
+use std::slice::ChunksExact;
+
 use willis_core::support::geometry::Point;
-use willis_core::support::simd::{Kernel, Simd};
+use willis_core::support::simd::{Kernel, Lanes, Simd};
 
 /// A matrix by rows.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -112,6 +114,15 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+/// The largest of some numbers: eight side by side, so that none waits for another.
+pub fn largest(row: &[f64]) -> f64 {
+    let mut most = [f64::NEG_INFINITY; 8];
+    for chunk in row.chunks(8) {
+        most.iter_mut().zip(chunk).for_each(|(most, x)| *most = if x > most { *x } else { *most });
+    }
+    most.into_iter().fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Divides by the sum, and returns it.
 pub fn normalise(row: &mut [f64]) -> f64 {
     let sum: f64 = row.iter().sum();
@@ -121,7 +132,10 @@ pub fn normalise(row: &mut [f64]) -> f64 {
     sum
 }
 
-/// A table, by rows, times a vector.
+/// Rows of a table that are multiplied side by side, so that none waits for its own sums.
+const ROWS: usize = 4;
+
+/// A table, by rows, times a vector: [`dot`] of each row.
 pub struct TableTimes<'a> {
     /// The rows, each as long as the vector.
     pub table: &'a [f64],
@@ -135,9 +149,59 @@ impl Kernel for TableTimes<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for (row, out) in self.table.chunks_exact(self.by.len()).zip(self.out) {
+    fn with_simd<S: Simd>(self, simd: S) {
+        let n = self.by.len();
+        let whole = n - n % 8;
+        let mut rows = self.table.chunks_exact(ROWS * n);
+        let mut outs = self.out.chunks_exact_mut(ROWS);
+        for (rows, outs) in rows.by_ref().zip(outs.by_ref()) {
+            let rows = [0, 1, 2, 3].map(|row| &rows[row * n..][..n]);
+            // The eight sums of [`dot`] for each row.
+            let mut sums = [[simd.splat_f64s(0.0); 8]; ROWS];
+            let [a, b, c, d] = rows.map(|row| eights::<S>(&row[..whole]));
+            for ((((x, a), b), c), d) in eights::<S>(&self.by[..whole]).zip(a).zip(b).zip(c).zip(d) {
+                for (sums, row) in sums.iter_mut().zip([a, b, c, d]) {
+                    for ((sum, x), y) in sums.iter_mut().zip(x).zip(row) {
+                        *sum = simd.add_f64s(*sum, simd.mul_f64s(*y, *x));
+                    }
+                }
+            }
+            for ((out, row), sums) in outs.iter_mut().zip(rows).zip(sums) {
+                let mut eight = Lanes::<8>::ZERO;
+                eight.vectors_mut::<S>().iter_mut().zip(sums).for_each(|(to, sum)| *to = sum);
+                let rest: f64 = row[whole..].iter().zip(&self.by[whole..]).map(|(x, y)| x * y).sum();
+                *out = eight.iter().sum::<f64>() + rest;
+            }
+        }
+        for (row, out) in rows.remainder().chunks_exact(n).zip(outs.into_remainder()) {
             *out = dot(row, self.by);
+        }
+    }
+}
+
+/// Eight numbers at a time, as vectors.
+#[inline(always)]
+fn eights<S: Simd>(numbers: &[f64]) -> ChunksExact<'_, S::f64s> {
+    S::as_simd_f64s(numbers).0.chunks_exact(8 / S::F64_LANES)
+}
+
+/// A sum of the rows of a table, each with a weight, added to a vector row by row; rows without weight are left out.
+pub struct AddRows<'a> {
+    /// The rows, each as long as the vector.
+    pub table: &'a [f64],
+    /// A weight for each row.
+    pub weights: &'a [f64],
+    /// The vector.
+    pub out: &'a mut [f64],
+}
+
+impl Kernel for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (row, weight) in self.table.chunks_exact(self.out.len()).zip(self.weights).filter(|(_, weight)| **weight > 0.0) {
+            self.out.iter_mut().zip(row).for_each(|(out, x)| *out += weight * x);
         }
     }
 }

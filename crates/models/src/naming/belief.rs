@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::algebra::{TableTimes, dot, normalise};
+use super::algebra::{AddRows, TableTimes, dot, largest, normalise};
 use super::atlas::{Atlas, STATES, row, row_mut};
 use super::nodes::Nodes;
 use willis_core::support::{numbered::grouped, simd::InstructionSet};
@@ -121,7 +121,7 @@ impl NamingForest {
         let mut own = log_likelihood.to_vec();
         for row in own.chunks_mut(STATES) {
             row.iter_mut().zip(&prior).for_each(|(e, p)| *e += p);
-            let most = row.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
+            let most = largest(row);
             for e in row {
                 *e = (*e - most).exp() + LEAST;
             }
@@ -314,19 +314,13 @@ impl MessagePass<'_> {
         link: ForestLink,
     ) -> (Vec<f64>, f64) {
         let [x, y] = others.map(|arm| &found.arms[arm]);
-        let table = self.table_of(link);
-        let mut out = vec![0.0; STATES];
-        for (k, middle) in found.middle.iter().enumerate() {
+        // Each arm of the kind may be the one that leads there, and the others are the remaining two in either order.
+        let weights = found.middle.iter().enumerate().flat_map(|(k, middle)| {
             let (x, y) = (&x.of_kinds[3 * k..], &y.of_kinds[3 * k..]);
-            // Each arm of the kind may be the one that leads there, and the others are the remaining two in either order.
-            for (number, [b, c]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
-                let weight = found.joined * (x[b] * y[c] + x[c] * y[b]) * middle / 6.0;
-                if weight > 0.0 {
-                    let states = row(table, 3 * k + number);
-                    out.iter_mut().zip(states).for_each(|(o, s)| *o += weight * s);
-                }
-            }
-        }
+            [[1, 2], [0, 2], [0, 1]].map(|[b, c]| found.joined * (x[b] * y[c] + x[c] * y[b]) * middle / 6.0)
+        });
+        let (weights, mut out) = (weights.collect::<Vec<f64>>(), vec![0.0; STATES]);
+        self.instructions.run(AddRows { table: self.table_of(link), weights: &weights, out: &mut out });
         let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut here: Vec<f64> = own.iter().map(|u| u / total).collect();
@@ -351,7 +345,7 @@ pub fn ratio(gap: &[f64], a: &[f64], b: &[f64]) -> f64 {
 /// Multiplies and divides by the largest, so that nothing becomes too small; returns that.
 fn multiply(row: &mut [f64], by: &[f64]) -> f64 {
     row.iter_mut().zip(by).for_each(|(r, b)| *r *= b);
-    let most = row.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let most = largest(row);
     for r in row.iter_mut() {
         *r /= most;
     }

@@ -77,7 +77,7 @@ pub struct Search<'a> {
     /// The median log radius.
     pub median: f64,
     /// From [`radius_fit`].
-    radius: Vec<f64>,
+    pub radius: Vec<f64>,
     /// The forest of names.
     pub forest: NamingForest,
 }
@@ -90,41 +90,47 @@ impl<'a> Search<'a> {
     }
 
     /// The share of [`Search::emission`] with all parts that a node counts for: nodes x states.
-    pub fn tempered(&self, pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
-        self.emission(pose, precisions, ALL_PARTS).into_iter().map(|x| TEMPER * x).collect()
+    pub fn tempered(&self, fit: &PoseFit) -> Vec<f64> {
+        self.emission(fit, ALL_PARTS).into_iter().map(|x| TEMPER * x).collect()
     }
 
-    /// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas, possibly widened
-    /// ([`Atlas::widened`]); position, direction and radius have weights.
-    pub fn emission(&self, pose: &Pose, precisions: &[(Symmetric, f64)], weights: [f64; 3]) -> Vec<f64> {
-        let ([of_position, of_direction, of_radius], atlas, nodes) = (weights, self.atlas, self.nodes);
-        let mut fit = vec![0.0; nodes.len() * STATES];
+    /// The log likelihood of all nodes in all states: nodes x states. Position, direction and radius have weights.
+    pub fn emission(&self, fit: &PoseFit, [of_position, of_direction, of_radius]: [f64; 3]) -> Vec<f64> {
+        let each = fit.position.iter().zip(&fit.direction).zip(&self.radius);
+        each.map(|((position, direction), radius)| of_position * position + of_radius * radius + of_direction * direction)
+            .collect()
+    }
+
+    /// How all nodes fit all states at a pose. `precisions` are those of the atlas, possibly widened ([`Atlas::widened`]).
+    pub fn fit(&self, pose: &Pose, precisions: &[(Symmetric, f64)]) -> PoseFit {
+        let (atlas, nodes) = (self.atlas, self.nodes);
+        let [mut position, mut direction] = [(); 2].map(|()| vec![0.0; nodes.len() * STATES]);
         let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-        for (node, of_node) in fit.chunks_mut(STATES).enumerate() {
+        let rows = position.chunks_mut(STATES).zip(direction.chunks_mut(STATES));
+        for (node, (position, direction)) in rows.enumerate() {
             let at = pose.apply(nodes.at[node]);
-            let direction = turned(&pose.turn, &nodes.direction[node]);
-            let radius = row(&self.radius, node);
-            for (state, to) in of_node.iter_mut().enumerate() {
-                if state == NOWHERE {
-                    *to = of_position * atlas.log_other + of_radius * radius[NOWHERE];
-                    continue;
-                }
-                let (precision, log_determinant) = &precisions[state];
+            let runs = turned(&pose.turn, &nodes.direction[node]);
+            for (state, (precision, log_determinant)) in precisions.iter().enumerate() {
                 let d = sub(at, atlas.data.pieces[state].mean);
                 let square = quadratic(precision, d).max(0.0);
-                let position =
+                position[state] =
                     -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
-                let mut sum = of_position * position + of_radius * radius[state];
-                if of_direction > 0.0 {
-                    let (inverse, log_determinant) = &atlas.direction[state];
-                    let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
-                    sum += of_direction * along;
-                }
-                *to = sum;
+                let (inverse, log_determinant) = &atlas.direction[state];
+                direction[state] = -0.5 * log_determinant - 1.5 * trace_of_product(&runs, inverse).ln();
             }
+            position[NOWHERE] = atlas.log_other;
         }
-        fit
+        PoseFit { position, direction }
     }
+}
+
+/// How all nodes fit all states at a pose, but for their radius: log likelihoods, nodes x states. No direction fits no artery better than
+/// another.
+pub struct PoseFit {
+    /// Of the positions.
+    pub position: Vec<f64>,
+    /// Of the directions.
+    pub direction: Vec<f64>,
 }
 
 /// dᵀ S d.

@@ -207,8 +207,9 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &At
 
 /// The names at a pose, with one of every artery, and the features of the pieces.
 fn pass(case: &Search, pose: &Pose) -> NamingPass {
-    let (beliefs, log_likelihood) = case.settled(&case.tempered(pose, &case.atlas.position), ROUNDS);
-    let features = piece_features(case, pose, &beliefs.states);
+    let fit = case.fit(pose, &case.atlas.position);
+    let (beliefs, log_likelihood) = case.settled(&case.tempered(&fit), ROUNDS);
+    let features = piece_features(case, &fit, &beliefs.states);
     NamingPass { beliefs, log_likelihood, features }
 }
 

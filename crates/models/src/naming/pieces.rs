@@ -1,8 +1,8 @@
 //! Pieces of the network: which are false, by how they fit and what they look like, and that a piece of an artery is there once.
 
 use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries, row, row_mut};
-use super::emission::{Pose, Search};
-use super::{algebra::UNIT, belief::Beliefs, nodes::Nodes};
+use super::emission::{PoseFit, Search};
+use super::{belief::Beliefs, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
 
 /// How many features a piece has.
@@ -13,7 +13,7 @@ const MOST_RATIO: f64 = 8.0;
 /// The features of every piece: log length (mm); mean log ratio of position, direction and radius to no artery; mean relative log
 /// radius; share of it on states that other pieces fill; mean probability of the best label; probability of the best bridge; whether it
 /// has a junction; roughness; share of all length.
-pub fn piece_features(case: &Search, pose: &Pose, names: &[f64]) -> Vec<[f64; PIECE_FEATURES]> {
+pub fn piece_features(case: &Search, fit: &PoseFit, names: &[f64]) -> Vec<[f64; PIECE_FEATURES]> {
     let Search { nodes, atlas, weight, .. } = case;
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
@@ -30,13 +30,12 @@ pub fn piece_features(case: &Search, pose: &Pose, names: &[f64]) -> Vec<[f64; PI
             *p /= sum;
         }
     }
-    // Position, direction and radius, each alone.
-    let parts = UNIT.map(|parts| case.emission(pose, &atlas.position, parts));
+    let parts = [&fit.position, &fit.direction, &case.radius];
     let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
     let mut features = vec![[0.0; PIECE_FEATURES]; nodes.pieces];
     for (n, piece) in nodes.piece.iter().enumerate() {
         let (own, given) = (row(&filled, *piece), row(&given, n));
-        let [position, direction, radius] = parts.each_ref().map(|e| {
+        let [position, direction, radius] = parts.map(|e| {
             let e = row(e, n);
             let ratio: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
             ratio.clamp(-MOST_RATIO, MOST_RATIO)

@@ -152,7 +152,7 @@ impl Search<'_> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = self.emission(pose, &self.atlas.position, ALL_PARTS);
+        let e = self.emission(&self.fit(pose, &self.atlas.position), ALL_PARTS);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let names = self.settled(&tempered, 1).0.states;
         let mut score = 0.0;
@@ -170,7 +170,7 @@ impl Search<'_> {
 
     /// A step of `all` nodes by the names of all together.
     pub fn named_step(&self, all: &[usize], pose: &Pose, pulls: &Pulls, precisions: &[(Symmetric, f64)]) -> Pose {
-        let names = self.forest.beliefs(self.atlas, &self.tempered(pose, precisions)).states;
+        let names = self.forest.beliefs(self.atlas, &self.tempered(&self.fit(pose, precisions))).states;
         self.step(all, pose, pulls, &names, true)
     }
 
