@@ -153,7 +153,7 @@ fn the_cerebral_part_is_one_ring_with_four_inlets() {
 #[test]
 fn the_tree_keeps_murrays_law() {
     let tree = BranchingTree { generations: 4, ..BranchingTree::default() };
-    let network = branching_tree(&tree).unwrap();
+    let network = branching_tree(&tree);
     assert_eq!((network.vessel_count(), network.node_count(), cycles(&network)), (31, 32, 0));
     let total: f64 = network.nodes().filter_map(conductance).sum();
     assert!((total * pascals(100.0) * 6e7 / 250.0 - 1.0).abs() < 1e-12);
@@ -166,7 +166,7 @@ fn the_tree_keeps_murrays_law() {
     for row in 0..network.vessel_count() {
         assert!((arc_length(&network, row) / network.vessel(row).length - 1.0).abs() < 1e-9);
     }
-    let again = |seed| branching_tree(&BranchingTree { seed, ..tree.clone() }).unwrap().vessel(5).radius.to_bits();
+    let again = |seed| branching_tree(&BranchingTree { seed, ..tree.clone() }).vessel(5).radius.to_bits();
     assert!(again(0) == again(0) && again(0) != again(1));
 }
 
@@ -353,41 +353,6 @@ fn the_answer_is_json_with_the_documented_keys() {
     assert_eq!(first["label"], truth.vessels[gap.vessel].as_str());
     assert_eq!(first["gap_mm"], gap.length() * 1e3);
     assert!(first["kind"] == "junction" || first["kind"] == "vessel");
-}
-
-#[test]
-fn every_parameter_out_of_range_is_named() {
-    let base = Breaks::default;
-    let wrong = [
-        ("spacing", Breaks { spacing: 0.0, ..base() }),
-        ("junction_gaps", Breaks { junction_gaps: 1.1, ..base() }),
-        ("double_gaps", Breaks { double_gaps: -0.1, ..base() }),
-        ("vessel_gaps", Breaks { vessel_gaps: f64::NAN, ..base() }),
-        ("gap_diameters", Breaks { gap_diameters: [2.0, 1.0], ..base() }),
-        ("long_gaps", Breaks { long_gaps: 2.0, ..base() }),
-        ("lost_ends", Breaks { lost_ends: 2.0, ..base() }),
-        ("short_ends", Breaks { short_ends: -1.0, ..base() }),
-        ("jitter", Breaks { jitter: 1.5, ..base() }),
-        ("radius_noise", Breaks { radius_noise: f64::INFINITY, ..base() }),
-        ("radius_bias", Breaks { radius_bias: -0.1, ..base() }),
-        ("spurious", Breaks { spurious: 11.0, ..base() }),
-        ("spurious_steps", Breaks { spurious_steps: [1, 5], ..base() }),
-    ];
-    for (name, params) in wrong {
-        assert!(params.validate().unwrap_err().to_string().starts_with(name), "{name}");
-    }
-    assert!(base().validate().is_ok());
-    let tree = BranchingTree::default;
-    let wrong = [
-        ("generations", BranchingTree { generations: 17, ..tree() }),
-        ("radius", BranchingTree { radius: -1.0, ..tree() }),
-        ("slenderness", BranchingTree { slenderness: 1.0, ..tree() }),
-        ("asymmetry", BranchingTree { asymmetry: 1.0, ..tree() }),
-        ("spacing", BranchingTree { spacing: f64::NAN, ..tree() }),
-    ];
-    for (name, params) in wrong {
-        assert!(branching_tree(&params).unwrap_err().to_string().starts_with(name), "{name}");
-    }
 }
 
 #[test]

@@ -53,7 +53,7 @@ fn the_size_is_the_one_asked_for() {
 /// A forest of 12 has 12 nodes more than edges. Every end is the root of its tree or an outlet.
 #[test]
 fn arteries_are_twelve_trees_from_inlets_to_outlets() {
-    for network in SIZES.map(|edges| arterial(&large(edges, 1)).unwrap()) {
+    for network in SIZES.map(|edges| arterial(&large(edges, 1))) {
         assert_eq!(network.node_count(), network.vessel_count() + 12);
         assert_eq!((cycles(&network), fragments(&network, |_, _| true).count), (0, 12));
         let degree = network.degrees(|_| true);
@@ -71,7 +71,7 @@ fn arteries_are_twelve_trees_from_inlets_to_outlets() {
 /// 12 times 250 mL/min (1.2/2)^3 at 100 mmHg.
 #[test]
 fn arteries_keep_murrays_law() {
-    let network = arterial(&large(3000, 2)).unwrap();
+    let network = arterial(&large(3000, 2));
     let mut cubes = vec![Vec::new(); network.node_count()];
     for (ends, vessel) in network.vessels() {
         for end in ends {
@@ -98,7 +98,7 @@ fn arteries_keep_murrays_law() {
 /// What the large-graph benchmarks count on: about as many nodes as vessels, a quarter of them outlets.
 #[test]
 fn a_quarter_of_the_arterial_nodes_are_outlets() {
-    let network = arterial(&large(10_000, 0)).unwrap();
+    let network = arterial(&large(10_000, 0));
     let outlets = role(&network, Role::Outlet).len() as f64 / network.node_count() as f64;
     assert!((0.23..0.27).contains(&outlets), "{outlets}");
 }
@@ -106,7 +106,7 @@ fn a_quarter_of_the_arterial_nodes_are_outlets() {
 /// Leaves fill the box evenly: no eighth of it has more than twice the leaves of another.
 #[test]
 fn arteries_fill_space() {
-    let network = arterial(&large(10_000, 0)).unwrap();
+    let network = arterial(&large(10_000, 0));
     let mut leaves = [0; 8];
     for row in role(&network, Role::Outlet) {
         let at = network.node(row).position.unwrap();
@@ -314,8 +314,5 @@ fn what_does_not_go_together_is_refused() {
         (&["arterial", "--edges", "200", "--spacing", "1m", "-o", "a.swc"], &["spacing 1000", "0.01 to 10 mm"]),
     ] {
         refused(&[], &[&["phantom"], arguments].concat(), words);
-    }
-    for bad in [Large { spacing: Some(0.0), ..large(200, 0) }, large(99, 0)] {
-        assert!(arterial(&bad).unwrap_err().is_usage() && capillary(&bad).unwrap_err().is_usage());
     }
 }

@@ -276,20 +276,6 @@ fn masks_that_cannot_be_are_refused() {
         refused(&[(standing, b"precious")], &arguments, &[standing, "--force"]);
     }
     let network = anatomy(Anatomy::Cerebral);
-    let base = Scan::default;
-    let wrong = [
-        ("blur", Scan { blur: -1.0, ..base() }),
-        ("slow", Scan { slow: f64::NAN, ..base() }),
-        ("field", Scan { field: 3.0, ..base() }),
-        ("alike", Scan { alike: 0.0, ..base() }),
-        ("noise", Scan { noise: 2.0, ..base() }),
-        ("threshold", Scan { threshold: -0.1, ..base() }),
-        ("veins", Scan { veins: 11.0, ..base() }),
-        ("least_voxels", Scan { least_voxels: 1_000_001, ..base() }),
-    ];
-    for (name, scan) in wrong {
-        assert!(draw_mask(&network, 1e-3, Some(&scan)).unwrap_err().to_string().starts_with(name), "{name}");
-    }
-    let nothing = Scan { slow: 10.0, ..base() };
+    let nothing = Scan { slow: 10.0, ..Scan::default() };
     assert!(draw_mask(&network, 1e-3, Some(&nothing)).unwrap_err().to_string().contains("leaves no vessel in the mask"));
 }

@@ -80,15 +80,18 @@ impl Anatomy {
         let spacing = recipe.spacing.unwrap_or(SPACING);
         let is_usual = (metres(0.01)..=metres(10.0)).contains(&spacing);
         require(is_usual, "spacing", millimetres(spacing), "expected 0.01 to 10 mm")?;
-        let large = |edges| Large { edges, seed: recipe.seed, spacing: recipe.spacing };
+        let [least, most] = EDGES;
+        let large = |edges| {
+            require((least..=most).contains(&edges), "edges", edges, format!("expected {least} to {most}"))?;
+            Ok::<Large, Error>(Large { edges, seed: recipe.seed, spacing: recipe.spacing })
+        };
         match (self, recipe.edges) {
             (Self::CircleOfWillis, None) => Ok(circle_of_willis(spacing)),
             (Self::Cerebral, None) => Ok(cerebral(&circle_of_willis(spacing))),
-            (Self::Tree, None) => branching_tree(&BranchingTree { spacing, ..BranchingTree::default() }),
-            (Self::Arterial, Some(edges)) => arterial(&large(edges)),
-            (Self::Capillary, Some(edges)) => capillary(&large(edges)),
+            (Self::Tree, None) => Ok(branching_tree(&BranchingTree { spacing, ..BranchingTree::default() })),
+            (Self::Arterial, Some(edges)) => Ok(arterial(&large(edges)?)),
+            (Self::Capillary, Some(edges)) => capillary(&large(edges)?),
             (_, None) => {
-                let [least, most] = EDGES;
                 let accepted = format!("expected a number of vessels, {least} to {most}: {self} may have any size");
                 Err(Error::parameter("edges", "missing", accepted))
             }

@@ -38,9 +38,8 @@ const ATTEMPTS: u64 = 40;
 ///
 /// # Errors
 ///
-/// Those of [`Large::validate`].
+/// A number of vessels for which no lattice holds together.
 pub fn capillary(params: &Large) -> Result<Network> {
-    params.validate()?;
     let mesh = mesh(params)
         .ok_or_else(|| Error::parameter("edges", params.edges, "no lattice of that size holds together; expected another"))?;
     let mut rng = stream(params.seed, random::ANATOMY);

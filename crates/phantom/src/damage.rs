@@ -3,8 +3,6 @@
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, Poisson, StandardNormal, UnitSphere};
 
-use super::{check_length, check_pair, check_range};
-use willis_core::error::Result;
 use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::{Network, Role, metres};
 use willis_core::support::{Point, distance, grouped, unit};
@@ -22,17 +20,8 @@ pub struct Breaks {
     pub double_gaps: f64,
     /// Expected gaps along a vessel per 100 of its diameters, so that thin vessels break more often; 0 to 100.
     pub vessel_gaps: f64,
-    /// Length of a missing stretch in diameters of its vessel: uniform between these two, 0 to 100 and in order.
-    ///
-    /// Each stretch is longer by the distance of points, by an exponential with half that mean, and at a junction by a uniform share
-    /// of the widest vessel's radius.
-    pub gap_diameters: [f64; 2],
-    /// Probability that a missing stretch is twice as long, 0 to 1.
-    pub long_gaps: f64,
     /// Probability that a vessel with a free end is missing completely, 0 to 1. Inlets stay.
     pub lost_ends: f64,
-    /// Mean shortening of the other free ends in diameters, exponential, 0 to 100. Inlets keep their length.
-    pub short_ends: f64,
     /// Displacement of points in point distances: normal, root mean square over the three axes together, 0 to 1.
     pub jitter: f64,
     /// Standard deviation of ln radius from point to point, 0 to 1.
@@ -41,8 +30,6 @@ pub struct Breaks {
     pub radius_bias: f64,
     /// Spurious fragments per true fragment, 0 to 10. They are random walks near the vessels that touch nothing.
     pub spurious: f64,
-    /// The smallest and largest number of steps of a spurious fragment, 2 to 1000 and in order.
-    pub spurious_steps: [u32; 2],
 }
 
 impl Default for Breaks {
@@ -53,49 +40,27 @@ impl Default for Breaks {
             junction_gaps: 0.6,
             double_gaps: 0.05,
             vessel_gaps: 0.5,
-            gap_diameters: [0.5, 3.0],
-            long_gaps: 0.1,
             lost_ends: 0.05,
-            short_ends: 1.0,
             jitter: 0.3,
             radius_noise: 0.1,
             radius_bias: 0.05,
             spurious: 0.3,
-            spurious_steps: [5, 20],
         }
-    }
-}
-
-impl Breaks {
-    /// Refuses a field out of its range.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and its range.
-    pub fn validate(&self) -> Result<()> {
-        check_length("spacing", self.spacing)?;
-        for (name, value, most) in [
-            ("junction_gaps", self.junction_gaps, 1.0),
-            ("double_gaps", self.double_gaps, 1.0),
-            ("vessel_gaps", self.vessel_gaps, 100.0),
-            ("long_gaps", self.long_gaps, 1.0),
-            ("lost_ends", self.lost_ends, 1.0),
-            ("short_ends", self.short_ends, 100.0),
-            ("jitter", self.jitter, 1.0),
-            ("radius_noise", self.radius_noise, 1.0),
-            ("radius_bias", self.radius_bias, 1.0),
-            ("spurious", self.spurious, 10.0),
-        ] {
-            check_range(name, value, 0.0, most)?;
-        }
-        check_pair("gap_diameters", self.gap_diameters, 0.0, 100.0)?;
-        check_pair("spurious_steps", self.spurious_steps, 2, 1000)
     }
 }
 
 /// Points with radii.
 pub type Lumens = Vec<(Point, f64)>;
 
+/// Length of a missing stretch in diameters of its vessel: uniform between these two.
+///
+/// Each stretch is longer by the distance of points, by an exponential with half that mean, and at a junction by a uniform share
+/// of the widest vessel's radius.
+const GAP_DIAMETERS: std::ops::RangeInclusive<f64> = 0.5..=3.0;
+/// Probability that a missing stretch is twice as long.
+const LONG_GAPS: f64 = 0.1;
+/// The smallest and largest number of steps of a spurious fragment.
+const SPURIOUS_STEPS: std::ops::RangeInclusive<u32> = 5..=20;
 /// The smallest number of points in a piece of a vessel.
 const LEAST: usize = 3;
 
@@ -161,7 +126,7 @@ pub(crate) fn damage(network: &Network, params: &Breaks, rng: &mut impl Rng) -> 
             continue;
         };
         let other = ends[1 - free];
-        let (lost, short) = (rng.random_bool(params.lost_ends), rng.sample::<f64, _>(Exp1) * params.short_ends);
+        let (lost, short) = (rng.random_bool(params.lost_ends), rng.sample::<f64, _>(Exp1));
         if lost && degree[other] > 2 {
             degree[other] -= 1;
             vessel.pieces.clear();
@@ -212,10 +177,9 @@ fn interrupt(vessel: &mut SampledVessel, params: &Breaks, rng: &mut impl Rng) {
 
 /// The length (m) of a missing stretch.
 fn stretch(vessel: &SampledVessel, params: &Breaks, rng: &mut impl Rng) -> f64 {
-    let [least, most] = params.gap_diameters;
     let points = params.spacing * (1.0 + 0.5 * rng.sample::<f64, _>(Exp1));
-    let length = points + 2.0 * vessel.radius * rng.random_range(least..=most);
-    if rng.random_bool(params.long_gaps) { 2.0 * length } else { length }
+    let length = points + 2.0 * vessel.radius * rng.random_range(GAP_DIAMETERS);
+    if rng.random_bool(LONG_GAPS) { 2.0 * length } else { length }
 }
 
 /// Attempts per spurious fragment before the space counts as too crowded.
@@ -262,7 +226,7 @@ fn walk(lumens: &[(Point, f64)], params: &Breaks, rng: &mut impl Rng) -> Lumens 
     let mut heading: [f64; 3] = rng.sample(UnitSphere);
     let mut at = [0, 1, 2].map(|axis| anchor[axis] + away * side[axis]);
     let mut points = vec![(at, radius)];
-    for _ in 0..rng.random_range(params.spurious_steps[0]..=params.spurious_steps[1]) {
+    for _ in 0..rng.random_range(SPURIOUS_STEPS) {
         heading = unit(heading.map(|x| x + TURN * rng.sample::<f64, _>(StandardNormal)));
         at = [0, 1, 2].map(|axis| at[axis] + params.spacing * heading[axis]);
         points.push((at, radius));

@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 
 use super::damage::{Breaks, SampledVessel, damage, spurious};
 use super::truth::{Break, BreakKind, Truth};
-use super::{add_node, check_positions, check_range};
+use super::{add_node, check_positions};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Centerlines, Fragments, Frame, Network, Origin, PathPoint, Role, Vessel, fragments};
 use willis_core::support::{Point, grouped, random, random::stream};
@@ -133,9 +133,8 @@ impl OrderedExtraction {
 ///
 /// # Errors
 ///
-/// `params` that do not validate, a node without position.
+/// A node without position.
 pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Truth)> {
-    params.validate()?;
     check_positions(network)?;
     let mut rng = stream(params.seed, random::DAMAGE);
     let vessels = damage(network, params, &mut rng);
@@ -201,7 +200,6 @@ impl Gaps {
     ///
     /// A share out of its range, a node without position.
     fn choose(&self, network: &Network) -> Result<Vec<usize>> {
-        check_range("share", self.share, 0.0, 1.0)?;
         check_positions(network)?;
         let count = (self.share * network.vessel_count() as f64).round() as usize;
         let mut rows = index::sample(&mut stream(self.seed, random::GAPS), network.vessel_count(), count).into_vec();

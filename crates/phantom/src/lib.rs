@@ -14,9 +14,7 @@ mod tree;
 mod truth;
 mod tube;
 
-use std::fmt::Display;
-
-use willis_core::error::{Error, Result, require};
+use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis_core::support::{Point, distance, lerp};
 
@@ -57,22 +55,6 @@ fn state(network: &mut Network, row: usize, role: Role, condition: Condition) {
     (node.role, node.condition) = (Some(role), Some(condition));
 }
 
-/// Refuses a value out of its range.
-fn check_range<T: PartialOrd + Display + Copy>(name: &str, value: T, least: T, most: T) -> Result<()> {
-    require(least <= value && value <= most, name, value, format!("expected {least} to {most}"))
-}
-
-/// Refuses a length (m) that is not positive.
-fn check_length(name: &str, value: f64) -> Result<()> {
-    require(value.is_finite() && value > 0.0, name, value, "expected a positive length, m")
-}
-
-/// Refuses two values that are out of their range or not in order.
-fn check_pair<T: PartialOrd + Display + Copy>(name: &str, [low, high]: [T; 2], least: T, most: T) -> Result<()> {
-    let (given, accepted) = (format!("{low},{high}"), format!("expected {least} to {most}, the lesser first"));
-    require(least <= low && low <= high && high <= most, name, given, accepted)
-}
-
 /// Refuses a network with a node that has no position.
 fn check_positions(network: &Network) -> Result<()> {
     let refused = |node: &Node| Err(Error::parameter("node", &node.id, "has no position; expected one for every node"));
@@ -94,16 +76,6 @@ pub struct Large {
 }
 
 impl Large {
-    /// Refuses a field out of its range.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and its range.
-    pub fn validate(&self) -> Result<()> {
-        check_range("edges", self.edges, EDGES[0], EDGES[1])?;
-        self.spacing.map_or(Ok(()), |spacing| check_length("spacing", spacing))
-    }
-
     /// Adds a straight vessel of a radius (m) between two nodes, with centerline points when there is a spacing. Its nodes become at
     /// least as wide as the vessel.
     fn add_vessel(&self, network: &mut Network, ends: [usize; 2], radius: f64) {

@@ -5,7 +5,7 @@ use rand_distr::StandardNormal;
 
 use super::interruptions::Stations;
 use super::tube::{DrawnTube, VoxelGrid, veins};
-use super::{check_positions, check_range, truth::MaskTruth};
+use super::{check_positions, truth::MaskTruth};
 use willis_core::error::{Error, Result, ensure, require};
 use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::{Point, bounds, dot, gamma::Gamma, median, random, random::stream};
@@ -59,26 +59,6 @@ impl Scan {
     /// Neither blur nor noise: a voxel is a vessel where its centre lies inside.
     const CLEAN: Self =
         Self { seed: 0, blur: 0.0, slow: 0.0, field: 0.0, alike: 1.0, noise: 0.0, threshold: 0.5, least_voxels: 0, veins: 0.0 };
-
-    /// Refuses a field out of its range.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and its range.
-    pub fn validate(&self) -> Result<()> {
-        for (name, value, most) in [
-            ("blur", self.blur, 10.0),
-            ("slow", self.slow, 10.0),
-            ("field", self.field, 2.0),
-            ("noise", self.noise, 1.0),
-            ("threshold", self.threshold, 1.0),
-            ("veins", self.veins, 10.0),
-        ] {
-            check_range(name, value, 0.0, most)?;
-        }
-        check_range("alike", self.alike, 0.1, 1000.0)?;
-        check_range("least_voxels", self.least_voxels, 0, 1_000_000)
-    }
 }
 
 /// Draws a network as a mask of cubic voxels (`spacing`, m), and says what the mask hides. `scan` breaks vessels and lets others touch;
@@ -88,7 +68,7 @@ impl Scan {
 ///
 /// # Errors
 ///
-/// A scan that does not validate, a node without position, more than [`MOST_VOXELS`], a mask in which no vessel is left.
+/// A node without position, more than [`MOST_VOXELS`], a mask in which no vessel is left.
 pub fn draw_mask(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result<(Mask, MaskTruth)> {
     draw(network, spacing, scan, false).map(|(mask, truth, _)| (mask, truth))
 }
@@ -104,7 +84,6 @@ pub fn draw_scan(network: &Network, spacing: f64, scan: Option<&Scan>) -> Result
 
 /// The mask, its truth and the values of the image, which are left out unless they are wanted.
 fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) -> Result<(Mask, MaskTruth, Image)> {
-    scan.map_or(Ok(()), Scan::validate)?;
     check_positions(network)?;
     let voxel = f64::from(millimetres(spacing) as f32);
     let of_spacing = |holds: bool, accepted: &str| require(holds, "spacing", format!("{} mm", voxel as f32), accepted);

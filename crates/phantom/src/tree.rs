@@ -5,8 +5,7 @@ use rand::{Rng, RngExt, seq::SliceRandom};
 use rand_distr::StandardNormal;
 
 use super::curve::{Bow, course};
-use super::{Large, add_curved_vessel, add_node, check_length, check_range, state};
-use willis_core::error::Result;
+use super::{Large, add_curved_vessel, add_node, state};
 use willis_core::network::{Condition, INLET_PRESSURE, Network, Role, metres, units::cubic_metres_per_second};
 use willis_core::support::{Point, cross, distance, dot, lerp, random, random::stream, sub, unit};
 
@@ -15,12 +14,6 @@ use willis_core::support::{Point, cross, distance, dot, lerp, random, random::st
 pub struct BranchingTree {
     /// Generations of branching g, 0 to 16: the tree has 2^(g + 1) - 1 vessels.
     pub generations: u32,
-    /// Radius of the first vessel, m, positive.
-    pub radius: f64,
-    /// Length over radius of every vessel, 4 to 1000.
-    pub slenderness: f64,
-    /// How unlike two daughters may be, 0 (equal) to 0.9: the wider takes a share of r³ between 1/2 and (1 + asymmetry) / 2.
-    pub asymmetry: f64,
     /// Distance between centerline points, m, positive.
     pub spacing: f64,
     /// The seed.
@@ -29,25 +22,16 @@ pub struct BranchingTree {
 
 impl Default for BranchingTree {
     fn default() -> Self {
-        Self { generations: 5, radius: metres(2.0), slenderness: 20.0, asymmetry: 0.3, spacing: metres(0.5), seed: 0 }
+        Self { generations: 5, spacing: metres(0.5), seed: 0 }
     }
 }
 
-impl BranchingTree {
-    /// Refuses a field out of its range.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and its range.
-    pub fn validate(&self) -> Result<()> {
-        check_range("generations", self.generations, 0, 16)?;
-        check_length("radius", self.radius)?;
-        check_range("slenderness", self.slenderness, 4.0, 1000.0)?;
-        check_range("asymmetry", self.asymmetry, 0.0, 0.9)?;
-        check_length("spacing", self.spacing)
-    }
-}
-
+/// Radius of the first vessel, mm.
+const FIRST_RADIUS: f64 = 2.0;
+/// Length over radius of every vessel.
+const SLENDERNESS: f64 = 20.0;
+/// How unlike two daughters may be: the wider takes a share of r³ between 1/2 and (1 + this) / 2.
+const ASYMMETRY: f64 = 0.3;
 /// Arc length over chord of a tree's vessels.
 const TORTUOSITY: f64 = 1.03;
 /// Flow through a vessel of 2 mm radius, mL/min: about that of an internal carotid. Murray's law gives that of other radii.
@@ -59,21 +43,16 @@ const FLOW_AT_2_MM: f64 = 250.0;
 /// The root is an inlet at 100 mmHg, and the ends carry terminal resistances in proportion to 1/r³, as Murray's
 /// flow Q ~ r³ requires. Labels give the path from the root (`T`, `T.1`, `T.1.2`, ...; 1 is the wider daughter). Distant branches of
 /// a large tree may touch.
-///
-/// # Errors
-///
-/// Those of [`BranchingTree::validate`].
-pub fn branching_tree(params: &BranchingTree) -> Result<Network> {
-    params.validate()?;
+pub fn branching_tree(params: &BranchingTree) -> Network {
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
-    let root = add_node(&mut network, [0.0; 3], Some(params.radius));
+    let root = add_node(&mut network, [0.0; 3], Some(metres(FIRST_RADIUS)));
     state(&mut network, root, Role::Inlet, Condition::INLET);
     let first = PlannedVessel {
         from: root,
         along: [0.0, 0.0, 1.0],
         side: [1.0, 0.0, 0.0],
-        radius: params.radius,
+        radius: metres(FIRST_RADIUS),
         label: "T".into(),
         generation: 0,
     };
@@ -83,11 +62,11 @@ pub fn branching_tree(params: &BranchingTree) -> Result<Network> {
         if branch.generation == params.generations {
             make_terminal(&mut network, tip, branch.radius);
         } else {
-            let share = 0.5 * (1.0 + params.asymmetry * rng.random::<f64>());
+            let share = 0.5 * (1.0 + ASYMMETRY * rng.random::<f64>());
             branches.extend(branch.daughters(tip, share));
         }
     }
-    Ok(network)
+    network
 }
 
 /// Makes a node an outlet of a vessel of this radius (m). Its terminal resistance gives Murray's flow at 100 mmHg.
@@ -109,7 +88,7 @@ struct PlannedVessel {
 impl PlannedVessel {
     /// Adds the vessel and its far node, whose row is returned.
     fn grow(&self, network: &mut Network, params: &BranchingTree) -> usize {
-        let length = self.radius * params.slenderness;
+        let length = self.radius * SLENDERNESS;
         let start = network.node(self.from).position.unwrap_or_default();
         let end = [0, 1, 2].map(|axis| start[axis] + self.along[axis] * length / TORTUOSITY);
         let tip = add_node(network, end, Some(self.radius));
@@ -159,12 +138,7 @@ const BEND: f64 = 0.05;
 /// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::tree::branching_tree`] gives it.
 /// There are 12 nodes more than vessels, about a quarter of them outlets; all have degree 1 to 3. Ids are numbers from 1, vessels have no
 /// labels. The phantom has the size and the graph of the arteries of a brain, not their courses.
-///
-/// # Errors
-///
-/// Those of [`Large::validate`].
-pub fn arterial(params: &Large) -> Result<Network> {
-    params.validate()?;
+pub fn arterial(params: &Large) -> Network {
     let mut rng = stream(params.seed, random::ANATOMY);
     let trees = TERRITORIES.iter().product::<usize>();
     // Two vessels a branch, and L leaves make 2 L - 1 branches a tree.
@@ -183,7 +157,7 @@ pub fn arterial(params: &Large) -> Result<Network> {
             }
         }
     }
-    Ok(network)
+    network
 }
 
 /// How many vessels each branch has: one, two and three equally often, adjusted to give the requested sum.

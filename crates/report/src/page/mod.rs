@@ -361,40 +361,18 @@ fn words(values: &Texts) -> (Vec<&str>, Vec<i64>) {
 const CIRCLE: &str = include_str!("assets/circle.html");
 /// How to repeat a run, on the pages that say so.
 const RUN_SECTION: &str = include_str!("assets/run.html");
+/// Scripts with their names.
+macro_rules! scripts {
+    ($($name:ident)*) => {
+        &[$((stringify!($name), include_str!(concat!("assets/", stringify!($name), ".js")))),*]
+    };
+}
+
 /// The scripts by name, in the order that they have on any page; each has one purpose and uses those before it.
-const SCRIPTS: [(&str, &str); 31] = [
-    ("dom", include_str!("assets/dom.js")),
-    ("data", include_str!("assets/data.js")),
-    ("colour", include_str!("assets/colour.js")),
-    ("camera", include_str!("assets/camera.js")),
-    ("shaders", include_str!("assets/shaders.js")),
-    ("surface", include_str!("assets/surface.js")),
-    ("webgl", include_str!("assets/webgl.js")),
-    ("canvas", include_str!("assets/canvas.js")),
-    ("shape", include_str!("assets/shape.js")),
-    ("overlay", include_str!("assets/overlay.js")),
-    ("scene", include_str!("assets/scene.js")),
-    ("flows", include_str!("assets/flows.js")),
-    ("gestures", include_str!("assets/gestures.js")),
-    ("rules", include_str!("assets/rules.js")),
-    ("threshold", include_str!("assets/threshold.js")),
-    ("decisions", include_str!("assets/decisions.js")),
-    ("edits", include_str!("assets/edits.js")),
-    ("review", include_str!("assets/review.js")),
-    ("histogram", include_str!("assets/histogram.js")),
-    ("table", include_str!("assets/table.js")),
-    ("slices", include_str!("assets/slices.js")),
-    ("record", include_str!("assets/record.js")),
-    ("circle", include_str!("assets/circle.js")),
-    ("cycle", include_str!("assets/cycle.js")),
-    ("page", include_str!("assets/page.js")),
-    ("distribution", include_str!("assets/distribution.js")),
-    ("zip", include_str!("assets/zip.js")),
-    ("walk", include_str!("assets/walk.js")),
-    ("cohort", include_str!("assets/cohort.js")),
-    ("comparison", include_str!("assets/comparison.js")),
-    ("phenotype", include_str!("assets/phenotype.js")),
-];
+const SCRIPTS: &[(&str, &str)] = scripts! {
+    dom data colour camera shaders surface webgl canvas shape overlay scene flows gestures rules threshold decisions edits review
+    histogram table slices record circle cycle page distribution zip walk cohort comparison phenotype
+};
 
 /// The id of the section that the first link of a kind of page skips to, its markup, and the names of its scripts.
 pub(crate) type PageKind = [&'static str; 3];
