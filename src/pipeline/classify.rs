@@ -94,24 +94,23 @@ pub fn classify(
     }
     let mut notes = found.notes.clone();
     notes.extend(note_on_names(asked, &found));
-    let (topologies, variant, posterior, boundary) = if let Some(run) = &input.run {
+    let (topologies, posterior, boundary) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = above_median(network, &boundary, &options, progress)?;
         let (topologies, how) = draw_topologies(Some(&found), network, &boundary, &options, &run.given, above.as_deref(), true)?;
         let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
-        (topologies.weighted, posterior.best(), Some(posterior), Some(boundary))
+        (topologies.weighted, Some(posterior), Some(boundary))
     } else {
         let (kept, note) = present_vessels(network);
         notes.extend(note.map(str::to_owned));
-        let variant = found.circle.variant(network, |row| kept[row]);
         // Vessels that no blood can flow through have a variant all the same.
-        (vec![(kept, 1.0)], variant, None, found.boundary(network, input.usual_outlets()).ok())
+        (vec![(kept, 1.0)], None, found.boundary(network, input.usual_outlets()).ok())
     };
     let usual = (input.usual_outlets(), BLOOD_VISCOSITY);
     let flow = input.run.as_ref().map_or(usual, |run| (FoundOutlets::Ground, run.options.infer.sampling.viscosity));
-    let answer = Answer { found, topologies, variant, posterior, boundary, notes };
+    let answer = Answer { found, topologies, posterior, boundary, notes };
     Ok(phenotype(input, network, answer, flow, phenotypes))
 }
 
@@ -143,9 +142,8 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let (topologies, how, posterior) = plausible(&prepared, &found, &mut Silent)?;
     let mut notes = found.notes.clone();
     notes.push(how);
-    let (topologies, variant) = (topologies.weighted, posterior.best());
-    let boundary = Some(prepared.boundary.clone());
-    let answer = Answer { found, topologies, variant, posterior: Some(posterior), boundary, notes };
+    let (topologies, boundary) = (topologies.weighted, Some(prepared.boundary.clone()));
+    let answer = Answer { found, topologies, posterior: Some(posterior), boundary, notes };
     Ok(phenotype(input, network, answer, (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY), phenotypes))
 }
 
@@ -164,7 +162,6 @@ struct Answer {
     found: FoundArteries,
     /// The vessels of each plausible topology, and its weight.
     topologies: Vec<(Vec<bool>, f64)>,
-    variant: Variant,
     posterior: Option<Posterior>,
     /// Where blood enters and leaves, where any can flow.
     boundary: Option<Boundary>,
@@ -179,9 +176,11 @@ fn phenotype(
     (outlets, viscosity): (FoundOutlets, f64),
     phenotypes: &PhenotypeOptions,
 ) -> Phenotype {
-    let Answer { found, topologies, variant, posterior, boundary, mut notes } = answer;
+    let Answer { found, topologies, posterior, boundary, mut notes } = answer;
     let first = || topologies.first().map(|(kept, _)| kept.clone());
     let kept = posterior.as_ref().map(|posterior| posterior.topology.clone()).or_else(first).unwrap_or_default();
+    let as_it_is = || found.circle.variant(network, |row| kept[row]);
+    let variant = posterior.as_ref().map_or_else(as_it_is, Posterior::best);
     let collaterals = found.collaterals(network, &kept, outlets, viscosity).unwrap_or_else(|why| {
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()

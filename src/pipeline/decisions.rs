@@ -10,7 +10,7 @@ use willis_core::decision::{BESIDE_ACCEPTED, knows_fragments};
 use willis_core::network::{Evidence, GraphEditor, Origin, Vessel, fragments};
 use willis_core::{error::Fault, network::units::millimetres, support::geometry::distance};
 use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
-use willis_report::{ReadBy, TwiceRead};
+use willis_report::TwiceRead;
 
 pub use willis_io::formats::{ConnectionDecision, GraphEdit};
 
@@ -255,14 +255,14 @@ pub fn twice_read(name: &str, input: &Input, files: [&Path; 2]) -> Result<Vec<Tw
         return Err(Fault::file("no run, so nobody decided on it", accepted).in_file(Path::new(&input.provenance.input)));
     };
     let network = &input.network;
-    let mut rows: BTreeMap<usize, [Option<ReadBy>; 2]> = BTreeMap::new();
+    let mut rows: BTreeMap<usize, [Option<ConnectionDecision>; 2]> = BTreeMap::new();
     for (reader, file) in files.into_iter().enumerate() {
         for made in DecisionList::read(file)?.on(network, &run.input_sha256)?.made {
-            let read = ReadBy { accepted: made.accepted, who: made.who, comment: made.comment };
-            rows.entry(made.edge).or_default()[reader] = Some(read);
+            let read = rows.entry(made.edge).or_default();
+            read[reader] = Some(made);
         }
     }
-    let row = |(edge, read): (usize, [Option<ReadBy>; 2])| {
+    let row = |(edge, read): (usize, [Option<ConnectionDecision>; 2])| {
         let (subject, ends, vessel) = (name.to_owned(), network.ends(edge), network.vessel(edge));
         let (ids, middle) = (ends.map(|node| network.node(node).id.clone()), network.middle_of(ends, vessel).map(millimetres));
         let probability = vessel.evidence().map_or(f64::NAN, |evidence| evidence.probability);

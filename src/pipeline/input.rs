@@ -64,17 +64,7 @@ pub enum Contents {
 /// A file that cannot be read, is in none of the formats or has a fault in its content: with file, place, value and accepted form. An
 /// option that does not go with what the file holds.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
-    let started = Instant::now();
-    options.validate()?;
-    if !path.is_dir() {
-        return made_of(read_file(path, options)?, path, options, started, None);
-    }
-    let graph = StoredRun::read(path)?.graph;
-    let file = path.join(format!("{TOPOLOGY}.graphml"));
-    open_regular(&file)?;
-    let mut document = read_file(&file, options)?;
-    document.notes.insert(0, format!("the plausible topology of a run; {} has all candidates", graph.display()));
-    made_of(document, &file, options, started, None)
+    read_as(path, options, false)
 }
 
 /// As [`read`], but of a folder that [`infer`](crate::infer) saved the run: its over-connected graph, with what was found by sampling it.
@@ -83,15 +73,24 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
 ///
 /// As [`read`], or a graph that is not the one that was sampled.
 pub fn read_run(path: &Path, options: &ReadOptions) -> Result<Input> {
-    if !path.is_dir() {
-        return read(path, options);
-    }
+    read_as(path, options, true)
+}
+
+/// A file, or of the folder of a run the graph that was sampled (`as_run`), else the plausible topology.
+fn read_as(path: &Path, options: &ReadOptions, as_run: bool) -> Result<Input> {
     let started = Instant::now();
     options.validate()?;
+    if !path.is_dir() {
+        return made_of(read_file(path, options)?, path, options, started, None);
+    }
     let run = StoredRun::read(path)?;
-    let file = run.graph.clone();
+    let file = if as_run { run.graph.clone() } else { path.join(format!("{TOPOLOGY}.graphml")) };
     open_regular(&file)?;
-    made_of(read_file(&file, options)?, &file, options, started, Some(run))
+    let mut document = read_file(&file, options)?;
+    if !as_run {
+        document.notes.insert(0, format!("the plausible topology of a run; {} has all candidates", run.graph.display()));
+    }
+    made_of(document, &file, options, started, as_run.then_some(run))
 }
 
 /// As [`read`], of the bytes of a file that would be called `name`: arrays of another program, packed as NPZ or NIfTI.

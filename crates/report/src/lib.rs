@@ -17,7 +17,7 @@ pub use inference::{
 };
 pub use modulation::ModulationRun;
 pub use morphometry::{
-    MeasuredSubject, ReadBy, TwiceRead, difference_columns, kappa_of, named_figures, reader_columns, write_comparison_page,
+    MeasuredSubject, TwiceRead, difference_columns, kappa_of, named_figures, reader_columns, write_comparison_page,
 };
 pub use page::{ImagePlace, Segmentation};
 pub use phenotype::{

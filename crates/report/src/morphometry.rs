@@ -12,7 +12,7 @@ use willis_core::morphometry::columns::{IN_REGION, MeasuredColumn, OF_BIFURCATIO
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::{Network, Role};
 use willis_core::support::kappa::{CohenKappa, cohen_kappa};
-use willis_io::formats::{ANSWERS, Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
+use willis_io::formats::{ANSWERS, Column, ConnectionDecision, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 
 /// What was measured of a subject, and of which network.
@@ -165,21 +165,9 @@ fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { f64::NAN }
 }
 
-/// What a reader says of a connection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ReadBy {
-    /// Whether it is there; none where the reader is unsure.
-    pub accepted: Option<bool>,
-    /// Who decided; may be empty.
-    pub who: String,
-    /// What was said of it; may be empty.
-    pub comment: String,
-}
-
-impl ReadBy {
-    fn answer(&self) -> usize {
-        ANSWERS.iter().position(|(accepted, _)| *accepted == self.accepted).unwrap_or_default()
-    }
+/// The number of what a reader says of a connection among the answers.
+fn answer(read: &ConnectionDecision) -> usize {
+    ANSWERS.iter().position(|(accepted, _)| *accepted == read.accepted).unwrap_or_default()
 }
 
 /// A connection that one of two readers decided on at least.
@@ -198,14 +186,14 @@ pub struct TwiceRead {
     /// What the run says; not a number without evidence.
     pub probability: f64,
     /// What the readers say; none of one who did not decide.
-    pub read: [Option<ReadBy>; 2],
+    pub read: [Option<ConnectionDecision>; 2],
 }
 
 impl TwiceRead {
     /// The answers of both, where both decided.
     fn answers(&self) -> Option<[usize; 2]> {
         let [a, b] = &self.read;
-        Some([a.as_ref()?.answer(), b.as_ref()?.answer()])
+        Some([answer(a.as_ref()?), answer(b.as_ref()?)])
     }
 }
 
@@ -244,7 +232,7 @@ pub fn reader_columns(read: &[TwiceRead]) -> Vec<Column> {
 }
 
 /// A column that both readers have: its name, and its text of one of them.
-type ReaderColumn = (&'static str, fn(&ReadBy) -> String);
+type ReaderColumn = (&'static str, fn(&ConnectionDecision) -> String);
 
 /// The columns of differences.csv: the connections that both decided otherwise, or only one.
 pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
@@ -260,7 +248,7 @@ pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
     columns.extend(coordinate_columns(POSITION_COLUMNS, || rows.iter().map(|row| row.middle)));
     columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
     let of_reader: [ReaderColumn; 3] = [
-        ("decision", |read| ANSWERS[read.answer()].1.to_owned()),
+        ("decision", |read| ANSWERS[answer(read)].1.to_owned()),
         ("who", |read| read.who.clone()),
         ("comment", |read| read.comment.clone()),
     ];
