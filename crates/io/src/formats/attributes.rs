@@ -183,9 +183,7 @@ pub(crate) fn vessels(
         let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
         let origin = item.word("origin", known)?;
         origins += usize::from(origin.is_some());
-        // Candidates of earlier versions may end a little beside a junction that was opened.
-        let is_candidate = origin == Some(Origin::Candidate);
-        let path = path(&item, [a, b], if is_candidate { f64::INFINITY } else { reach })?;
+        let path = path(&item, [a, b], reach)?;
         let length = match length(&item, scale, *ends)? {
             Some(length) => length,
             None if path.is_empty() => {
@@ -195,7 +193,8 @@ pub(crate) fn vessels(
             None => length_of(&path),
         };
         let apart = a.position.zip(b.position).map_or(0.0, |(p, q)| distance(p, q));
-        too_short += usize::from(!is_candidate && length < ROUNDED * apart);
+        // A candidate at a junction that was opened goes on within the vessel there.
+        too_short += usize::from(origin != Some(Origin::Candidate) && length < ROUNDED * apart);
         let radius = match item.radius(scale)? {
             Some((key, radius)) if is_radius(radius) => {
                 if !key.starts_with("radius") || key == "radius_avg" {
@@ -258,6 +257,23 @@ pub(crate) fn vessels(
     }
     notes.extend(counted(from_nodes, "edge", "without radius_mm: took the smaller radius of the nodes"));
     Ok(notes)
+}
+
+/// Per edge whether it stays: not one that says the same of a vessel as one before it from the other end, as `to_directed` of NetworkX makes them.
+pub(crate) fn directions_as_one(ends: &[[usize; 2]], network: &Network) -> Vec<bool> {
+    let mut open: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    let same = |a: &Vessel, b: &Vessel| a == b || *a == Vessel { path: b.path.iter().rev().copied().collect(), ..b.clone() };
+    let stays = |(row, [a, b]): (usize, &[usize; 2])| {
+        let others = open.entry([*b, *a]).or_default();
+        let other = others.iter().position(|other| a != b && same(network.vessel(*other), network.vessel(row)));
+        if let Some(other) = other {
+            others.remove(other);
+        } else {
+            open.entry([*a, *b]).or_default().push(row);
+        }
+        other.is_none()
+    };
+    ends.iter().enumerate().map(stays).collect()
 }
 
 /// The length that the edge states, m. Only a self-loop may have length 0, since it carries no flow.

@@ -3,10 +3,9 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, BufRead, Write};
 
-use crate::formats::attributes::{Records, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
+use crate::formats::attributes::{Records, directions_as_one, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
 use crate::formats::xml::{Events, Tag, XmlStep};
 use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, counted, ensure, escape};
-use willis_core::network::Vessel;
 
 /// The attribute of a graph that states the frame of its positions.
 pub(super) const FRAME: &str = "frame";
@@ -118,7 +117,7 @@ impl Graph {
         let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
         notes.extend(unit);
         if self.directed {
-            let stays = self.directions_as_one(&network);
+            let stays = directions_as_one(&self.ends, &network);
             let of_two = stays.iter().filter(|stays| !**stays).count();
             network = network.subgraph(|row| stays[row]).0;
             let both = counted(of_two, "edge", "in both directions, as one vessel");
@@ -128,23 +127,6 @@ impl Graph {
             ));
         }
         Ok((network, notes))
-    }
-
-    /// Per edge whether it stays: not one that says the same of a vessel as one before it from the other end, as `to_directed` of NetworkX makes them.
-    fn directions_as_one(&self, network: &Network) -> Vec<bool> {
-        let mut open: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
-        let same = |a: &Vessel, b: &Vessel| a == b || *a == Vessel { path: b.path.iter().rev().copied().collect(), ..b.clone() };
-        let stays = |(row, [a, b]): (usize, &[usize; 2])| {
-            let others = open.entry([*b, *a]).or_default();
-            let other = others.iter().position(|other| a != b && same(network.vessel(*other), network.vessel(row)));
-            if let Some(other) = other {
-                others.remove(other);
-            } else {
-                open.entry([*a, *b]).or_default().push(row);
-            }
-            other.is_none()
-        };
-        self.ends.iter().enumerate().map(stays).collect()
     }
 
     /// The attribute `id` of the nodes, where igraph has put it in the place of their ids, which it numbers n0, n1, …

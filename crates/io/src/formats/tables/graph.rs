@@ -10,7 +10,7 @@ use crate::formats::attributes::{
     self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, Records, SPEED, THICKNESS, YOUNG, nodes, vessels,
 };
 use crate::formats::polylines::{is_straight, polylines};
-use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, ensure, escape_formula, write_csv};
+use crate::formats::{Column, ReadOptions, Values, checksum, coordinate_columns, counted, ensure, escape_formula, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{
@@ -127,6 +127,9 @@ pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOpti
     let mut network = Network::of(Frame::Unknown, nodes, Vec::new());
     let mut notes = vessels(&mut network, &rows, &records, options)?;
     notes.extend(attributes::unit_note(&options.scale, has_unit || attributes::has_lengths_without_unit(&records)));
+    let again = attributes::directions_as_one(&rows, &network).into_iter().filter(|is_new| !is_new).count();
+    let note = "like another from its other end: taken for two vessels side by side; leave one out if both are one vessel";
+    notes.extend(counted(again, "edge", note));
     Ok((network, notes))
 }
 
