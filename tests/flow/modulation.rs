@@ -426,6 +426,12 @@ fn forces_fall_into_their_bins_by_hand() {
     assert!((found.without_force - 1.0 / 3.0).abs() < 1e-15);
     assert!((found.above - 1.0 / 6.0).abs() < 1e-15);
     assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
+    // 50 times some of these, divided by 50, is less. Whatever is the largest, it is in the last bin.
+    for largest in (1..1000).map(|n| f64::from(n) / 7.0) {
+        let forces = [largest; 3];
+        let edges = histogram_edges([&forces[..]]);
+        assert_eq!(Hypertension::of(&forces, &edges, 0.0).counts.last(), Some(&3), "{largest}");
+    }
     assert!((hypertension_force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
     assert!(hypertension_force([None, Some(1.0)], 0.5).is_nan());
 }

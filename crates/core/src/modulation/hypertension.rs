@@ -35,7 +35,8 @@ pub fn histogram_edges<'a>(classes: impl IntoIterator<Item = &'a [f64]>) -> Vec<
     if covered <= 0.0 {
         return Vec::new();
     }
-    let mut edges: Vec<f64> = (0..=BINS).map(|i| covered * i as f64 / BINS as f64).collect();
+    // The last one as it is, not rounded: it may be the largest force.
+    let mut edges: Vec<f64> = (0..BINS).map(|i| covered * i as f64 / BINS as f64).chain([covered]).collect();
     if most > covered {
         edges.push(most);
     }
