@@ -16,7 +16,7 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
     let fields = PyDict::new(py);
     match error {
         Error::Input { path, place, found, accepted } => {
-            fields.set_item("file", path)?;
+            fields.set_item("file", Some(path).filter(|path| !path.as_os_str().is_empty()))?;
             match place {
                 Place::File => {}
                 Place::Line(line) => fields.set_item("line", line)?,

@@ -203,23 +203,23 @@ fn what_a_format_cannot_hold_is_named() {
     let lost = |word: &str| losses(&network, &Target::new("x".as_ref(), Some(word)).unwrap());
     assert_eq!(lost("graphml"), [""; 0]);
     assert_eq!(lost("csv"), [""; 0]);
-    let nodes = ["the labels of 1 nodes", "the boundary conditions of 1 nodes"];
+    let nodes = ["the labels of 1 node", "the boundary conditions of 1 node"];
     let vessels = [
-        "that 1 vessels are candidates",
-        "the priors of 1 vessels",
-        "that 1 vessels are certain",
-        "the resistances that 1 vessels state",
-        "the walls that 1 vessels state",
+        "the origin of 1 candidate",
+        "the priors of 1 vessel",
+        "the certainty of 1 vessel",
+        "the stated resistances of 1 vessel",
+        "the stated walls of 1 vessel",
     ];
-    let length = "the lengths of 1 vessels that are not those of their lines";
-    let (ids, joints) = ("the ids of 3 nodes", "1 nodes that join two vessels, which are read again as one");
+    let length = "the lengths of 1 vessel, other than along the lines";
+    let (ids, joints) = ("the ids of 3 nodes", "1 node between two vessels, which are read again as one");
     assert_eq!(lost("swc"), [&[length, ids][..], &nodes, &vessels, &[joints]].concat());
-    assert_eq!(lost("vtp"), [&[length, ids, "1 nodes without a vessel"][..], &nodes, &vessels, &[joints]].concat());
-    assert_eq!(lost("voreen"), [&[ids, "the radii of 1 nodes"][..], &nodes, &vessels].concat());
+    assert_eq!(lost("vtp"), [&[length, ids, "1 node without a vessel"][..], &nodes, &vessels, &[joints]].concat());
+    assert_eq!(lost("voreen"), [&[ids, "the radii of 1 node"][..], &nodes, &vessels].concat());
     // Models of solvers have the conditions, the walls, and each something of its own.
-    let model = [ids, "1 nodes without a vessel", "the radii of 1 nodes"];
+    let model = [ids, "1 node without a vessel", "the radii of 1 node"];
     assert_eq!(lost("svzerod"), [&model[..], &["the labels of 4 vessels", nodes[0]]].concat());
-    let inlets = "the pressure or flow of 1 inlets, which openBF takes as a course in time from inlet-N.dat";
+    let inlets = "the pressure or flow of 1 inlet, which openBF takes as a course in time from inlet-N.dat";
     assert_eq!(lost("openbf"), [&model[..], &[nodes[0], vessels[3], inlets]].concat());
 }
 
@@ -240,7 +240,7 @@ fn a_radius_that_the_end_of_a_line_changes_is_named() {
         let (wanted, lost) =
             (if is_kept { 0.5 } else { 0.875 }, losses(&network, &Target::new("x".as_ref(), Some(to.0)).unwrap()));
         assert!((millimetres(branch) - wanted).abs() < 1e-9, "{}: {branch}", to.0);
-        let said = lost.contains(&"the radii of 1 vessels that are not the mean over their points".to_owned());
+        let said = lost.contains(&"the radii of 1 vessel, other than the mean over the points".to_owned());
         assert!(said != is_kept, "{}: {lost:?}", to.0);
     }
 }

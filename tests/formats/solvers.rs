@@ -84,7 +84,7 @@ fn openbf_gets_tubes_in_si() {
     );
     assert!(vessels[1].ends_with("Cc: 1.0e-10\n") && !text.contains("Pout"), "{text}");
     let said = losses(&fork(), &Target::new("a.yaml".as_ref(), None).expect("a target"));
-    assert!(said.contains(&"the venous pressure of 1 outlets, which is 0 in openBF".to_owned()), "{said:?}");
+    assert!(said.contains(&"the venous pressure of 1 outlet, which is 0 in openBF".to_owned()), "{said:?}");
     // c0² = (2/3) (E h/r)/ρ.
     let number = |key: &str| -> f64 {
         let rest = &vessels[0][vessels[0].find(key).expect("a key") + key.len()..];

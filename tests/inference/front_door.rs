@@ -187,8 +187,9 @@ fn what_no_file_can_hold_is_refused_in_a_network_by_hand() {
             label(input, &InferOptions::default(), &mut Silent).err(),
         ]
     };
-    // These five vessels are no circle of Willis.
-    assert_eq!(answers(by_hand()).iter().filter(|error| error.is_none()).count(), 7);
+    // These five vessels are no circle of Willis; no file has them.
+    let refused: Vec<String> = answers(by_hand()).into_iter().flatten().map(|error| error.to_string()).collect();
+    assert!(refused.len() == 1 && refused[0].starts_with(char::is_alphabetic), "{refused:?}");
     for (expected, spoil) in spoils {
         let mut network = by_hand();
         spoil(&mut network);

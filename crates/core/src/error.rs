@@ -95,9 +95,9 @@ fn one_line(text: impl Into<String>) -> String {
 #[non_exhaustive]
 pub enum Error {
     /// The content of an input file is wrong.
-    #[error("{}{place}: {found}; {accepted}", path.display())]
+    #[error("{}{found}; {accepted}", before(path, place))]
     Input {
-        /// The file.
+        /// The file; empty for a network that was handed over.
         path: PathBuf,
         /// Where in it.
         place: Place,
@@ -177,6 +177,12 @@ pub enum Error {
         /// Samples asked for.
         total: u64,
     },
+}
+
+/// What a message begins with: the file, where there is one, and the place.
+fn before(path: &Path, place: &Place) -> String {
+    let text = format!("{}{place}: ", path.display());
+    if path.as_os_str().is_empty() { text.trim_start_matches([':', ' ']).to_owned() } else { text }
 }
 
 /// A number as it is, or by its power of ten where it would have dozens of digits.

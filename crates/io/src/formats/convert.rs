@@ -9,7 +9,9 @@ use super::known::Property::{
 };
 use super::polylines::{between, is_straight, node_points, polylines};
 use super::solvers::{enters, with_few_at_a_node, without_loops, without_unfed};
-use super::{Format, FormatTrait, SolverSetting, Written, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids};
+use super::{
+    Format, FormatTrait, SolverSetting, Written, plural, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids,
+};
 use willis_core::error::{Error, Result, require};
 use willis_core::flow::Unfed;
 use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
@@ -106,7 +108,7 @@ pub fn write_into(network: &Network, target: &Target, vessels: impl Write + Seek
         let made;
         (drawn, made) = with_lines(network)?;
         if made > 0 {
-            written.notes.push(format!("{made} straight vessels got points of their own, which keep their radius"));
+            written.notes.push(format!("{} without points got some, which keep the radius", plural(made, "straight vessel")));
         }
         &drawn
     } else {
@@ -194,29 +196,35 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let has_venous = |n: &Node| matches!(n.condition, Some(Condition::Resistance { venous, .. }) if venous != 0.0);
     let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
     let counts = [
-        (lacks(Paths), vessels(&|v| v.path.len() > 2), "the points between the nodes of {} vessels"),
-        (true, lengths, "the lengths of {} vessels that are not those of their lines"),
-        (true, radii, "the radii of {} vessels that are not the mean over their points"),
-        (lacks(Ids) || lacks(Names) && !has_whole_ids(network), ids, "the ids of {} nodes"),
-        (lacks(LoneNodes), degree.iter().filter(|d| **d == 0).count(), "{} nodes without a vessel"),
-        (lacks(Radii) && !is_lines, nodes(&|n| n.radius.is_some()), "the radii of {} nodes"),
-        (lacks(Labels), vessels(&|v| !v.label.is_empty()), "the labels of {} vessels"),
-        (lacks(Conditions) || is_model, nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
-        (lacks(Conditions), nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
-        (!is_swc, nodes(&|n| n.is_source && n.role.is_none()), "that blood comes in at {} nodes, as the input states"),
-        (lacks(Statements), vessels(&|v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
-        (lacks(Statements), vessels(&|v| v.prior != 1.0), "the priors of {} vessels"),
-        (lacks(Statements), vessels(&|v| v.evidence.is_some()), "the probabilities of {} vessels"),
-        (lacks(Statements), vessels(&|v| v.certain), "that {} vessels are certain"),
-        (lacks(Statements) || lacks(Resistances), vessels(&|v| v.resistance.is_some()), "the resistances that {} vessels state"),
-        (lacks(Statements), vessels(&|v| v.wall.is_some()), "the walls that {} vessels state"),
-        (is_lines, degree.iter().filter(|d| **d == 2).count(), "{} nodes that join two vessels, which are read again as one"),
-        (is_lines, without_course, "{} vessels from a node to itself, which have no course"),
-        (is_openbf, inlets, "the pressure or flow of {} inlets, which openBF takes as a course in time from inlet-N.dat"),
-        (is_openbf, nodes(&has_venous), "the venous pressure of {} outlets, which is 0 in openBF"),
+        (lacks(Paths), vessels(&|v| v.path.len() > 2), "the points between the nodes of {vessel}"),
+        (true, lengths, "the lengths of {vessel}, other than along the lines"),
+        (true, radii, "the radii of {vessel}, other than the mean over the points"),
+        (lacks(Ids) || lacks(Names) && !has_whole_ids(network), ids, "the ids of {node}"),
+        (lacks(LoneNodes), degree.iter().filter(|d| **d == 0).count(), "{node} without a vessel"),
+        (lacks(Radii) && !is_lines, nodes(&|n| n.radius.is_some()), "the radii of {node}"),
+        (lacks(Labels), vessels(&|v| !v.label.is_empty()), "the labels of {vessel}"),
+        (lacks(Conditions) || is_model, nodes(&|n| !n.label.is_empty()), "the labels of {node}"),
+        (lacks(Conditions), nodes(&|n| n.condition.is_some()), "the boundary conditions of {node}"),
+        (!is_swc, nodes(&|n| n.is_source && n.role.is_none()), "that blood comes in at {node}, as the input states"),
+        (lacks(Statements), vessels(&|v| v.origin == Origin::Candidate), "the origin of {candidate}"),
+        (lacks(Statements), vessels(&|v| v.prior != 1.0), "the priors of {vessel}"),
+        (lacks(Statements), vessels(&|v| v.evidence.is_some()), "the probabilities of {vessel}"),
+        (lacks(Statements), vessels(&|v| v.certain), "the certainty of {vessel}"),
+        (lacks(Statements) || lacks(Resistances), vessels(&|v| v.resistance.is_some()), "the stated resistances of {vessel}"),
+        (lacks(Statements), vessels(&|v| v.wall.is_some()), "the stated walls of {vessel}"),
+        (is_lines, degree.iter().filter(|d| **d == 2).count(), "{node} between two vessels, which are read again as one"),
+        (is_lines, without_course, "{vessel} from a node to itself without a course"),
+        (is_openbf, inlets, "the pressure or flow of {inlet}, which openBF takes as a course in time from inlet-N.dat"),
+        (is_openbf, nodes(&has_venous), "the venous pressure of {outlet}, which is 0 in openBF"),
     ];
+    // The noun in braces stands for how many there are.
+    let words = |what: &str, count: usize| {
+        let (before, rest) = what.split_once('{')?;
+        let (noun, after) = rest.split_once('}')?;
+        Some(format!("{before}{}{after}", plural(count, noun)))
+    };
     let lost = counts.into_iter().filter(|(is_lost, count, _)| *is_lost && *count > 0);
-    let mut lost: Vec<String> = lost.map(|(_, count, what)| what.replace("{}", &count.to_string())).collect();
+    let mut lost: Vec<String> = lost.filter_map(|(_, count, what)| words(what, count)).collect();
     if let Some(frame) = network.frame.name().filter(|_| lacks(Frame)) {
         lost.push(format!("that positions are in {frame}"));
     }
