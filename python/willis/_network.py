@@ -420,16 +420,18 @@ def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: _Axes
 def from_vtk(
     polydata: Any, *, radius_array: str | None = None, default_radius: float | str | None = None, frame: _Axes | None = None
 ) -> Network:
-    """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTP file of it.
+    """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTK file of it.
 
     ``radius_array`` is the point array that holds the radii, when it has an unusual name; ``default_radius`` is for lines without any.
     """
-    writer = library("vtkmodules.vtkIOXML", "view").vtkXMLPolyDataWriter()
+    # The writer of VTP does not escape the names of arrays.
+    writer = library("vtkmodules.vtkIOLegacy", "view").vtkPolyDataWriter()
     writer.SetInputData(polydata)
+    writer.SetFileTypeToBinary()
     writer.WriteToOutputStringOn()
     writer.Write()
-    packed = writer.GetOutputString().encode()
-    return read_packed("lines.vtp", packed, words({"radius_array": radius_array, "default_radius": default_radius, "frame": frame}, {}))
+    packed = writer.GetOutputStdString()
+    return read_packed("lines.vtk", packed, words({"radius_array": radius_array, "default_radius": default_radius, "frame": frame}, {}))
 
 
 def from_mask(

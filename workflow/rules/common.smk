@@ -30,6 +30,9 @@ def subjects(patterns):
     found = list(dict.fromkeys(found))
     if not found:
         raise WorkflowError(f"inputs {patterns!r}: matches no file; set inputs to a pattern of centerline files")
+    for path in found:
+        if "{" in path and "}" in path:
+            raise WorkflowError(f"{path}: to Snakemake what stands in braces is a wildcard; rename it, or run willis infer on the pattern itself")
     times = Counter(stem_of(path).lower() for path in found)
     named = {}
     for path in found:
