@@ -127,6 +127,19 @@ fn text_and_binary_files_give_the_same_fork() {
     assert!((longest - 1e-3 * 1.25_f64.sqrt()).abs() < 1e-9, "{longest}");
 }
 
+/// Each edge as wide as it states, not as the mean of those that meet at the vertex.
+#[test]
+fn edges_are_as_wide_as_they_state() {
+    let text = String::from_utf8(file(Storage::Text)).unwrap();
+    let text = text.replace("POINT { float thickness }", "EDGE { float MeanRadius }");
+    let text = text.replace(&"200\n".repeat(7), "200\n100\n50\n");
+    let found = sizes(&network("a.am", text.as_bytes()));
+    let mut found: Vec<(&str, f64)> =
+        found.iter().map(|(_, label, _, radius)| (&**label, (1e9 * radius).round() / 1e9)).collect();
+    found.sort_by(|a, b| a.0.cmp(b.0));
+    assert_eq!(found, [("", 0.05), ("L-ICA, C1", 0.2), ("Left", 0.1)]);
+}
+
 #[test]
 fn units_and_radii_are_those_of_the_options_where_the_file_says_otherwise() {
     let text = String::from_utf8(file(Storage::Text)).unwrap();

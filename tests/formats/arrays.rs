@@ -162,7 +162,12 @@ np.save(f'{out}/bad-one.npy', c)
     assert!(of_edges.radii[3].is_nan());
     let mut known = of_edges.clone();
     known.radii[3] = 0.0;
-    is_y(&known, "M1", [1.0, 2.0, (3.0 + 2.0 * branch) / (1.0 + branch), 0.0, 2.0]);
+    let junction = (3.0 + 2.0 * branch) / (1.0 + branch);
+    is_y(&known, "M1", [1.0, 2.0, junction, 0.0, 2.0]);
+    // Vessels are as wide as their own edges, one without a radius as the junction.
+    for (vessel, wanted) in sizes(&network_of(load("edges.npz", &mm()).unwrap())).iter().zip([2.0, junction, 2.0]) {
+        assert!((vessel.3 - wanted).abs() < 1e-12, "{vessel:?} {wanted}");
+    }
     assert!(lines("none.npz", &optional()).radii.iter().all(|r| r.is_nan()));
     let long = network_of(load("long.npz", &mm()).unwrap());
     assert_eq!(sizes(&long).iter().map(|v| (v.2, v.3)).collect::<Vec<_>>(), [(2.0, 1.0), (3.0, 1.0), (4.0, 1.0), (5.0, 1.0)]);

@@ -229,6 +229,8 @@ for n in range(3):
 both = g.to_directed()
 nx.write_graphml(both, here + "/both.graphml")
 nx.write_graphml(both.to_undirected(), here + "/once.graphml")
+with open(here + "/both.csv", "w") as rows:
+    print("node_a,node_b,radius_mm,length_mm", *(f"{a},{b},{of['radius_mm']},12" for a, b, of in both.edges(data=True)), sep="\n", file=rows)
 both.add_edge(1, 0, radius_mm=.5, length_mm=15.)
 nx.write_graphml(both, here + "/double.graphml")
 "#;
@@ -244,6 +246,10 @@ nx.write_graphml(both, here + "/double.graphml")
     let (double, said) = convert("double.graphml");
     assert_eq!(double.lines().count(), 1 + 4, "{double}");
     assert!(said.contains("2 edges in both directions"), "{said}");
+    // A table says nothing of directions.
+    let (twice, said) = convert("both.csv");
+    assert_eq!(twice.lines().count(), 1 + 6, "{twice}");
+    assert!(said.contains("3 edges like another from its other end"), "{said}");
 }
 
 /// A class that went through real numbers is whole, a missing one is none, an infinite one an error where its type is a number.
@@ -366,7 +372,7 @@ fn openbf_joins_three_vessels_at_most() {
     fs::write(here.path().join("a.nodes.csv"), nodes).expect("written");
     let done = willis(here.path(), &["convert", "a.csv", "a.yaml"]);
     let said = stderr(&done);
-    assert!(done.status.success() && said.contains("the pressure or flow of 1 inlets"), "{said}");
+    assert!(done.status.success() && said.contains("the pressure or flow of 1 inlet,"), "{said}");
     assert!(said.contains("1 node of more than 3 vessels divided, by 1 vessel one radius long"), "{said}");
     let model = fs::read_to_string(here.path().join("a.yaml")).expect("a model");
     let of = |key: &str| -> Vec<&str> { model.lines().filter_map(|line| line.trim().strip_prefix(key)).collect() };

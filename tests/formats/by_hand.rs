@@ -60,6 +60,16 @@ fn swc_in_any_order_with_tabs_comments_and_several_roots() {
     assert_eq!(lines.points[0], [0.0, 0.0, metres(2.0)]);
     assert!(lines.radii[0] == metres(0.5) && lines.radii[1..].iter().all(|r| r.is_nan()));
     assert_eq!(notes, ["line 5 and perhaps others have 8 columns; those after the seventh are ignored"]);
+    // Headers as CNIC and NeuroMorpho have them.
+    let head =
+        |scale: &str, offset: &str| format!("# SCALE {scale}\n# OFFSET {offset}\n# SHRINKAGE_CORRECTION 1.5\n1 0 0 0 0 1 -1\n");
+    assert_eq!(swc(&head("1.0 1.0 1.0", "0 0.0 0")).unwrap().1, [""; 0]);
+    let (lines, notes) = swc(&head("0.5 0.5 2.0", "0 0 -3")).unwrap();
+    assert!(lines.radii == [metres(1.0)] && notes.len() == 2, "{notes:?}");
+    assert!(
+        notes[0].starts_with("line 1: SCALE 0.5 0.5 2.0 is not applied") && notes[1].starts_with("line 2: OFFSET"),
+        "{notes:?}"
+    );
 }
 
 #[test]

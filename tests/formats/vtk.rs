@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::peers::python;
 use willis::error::Fault;
 use willis::internals::formats::{
-    Column, Content, ReadOptions, Values, graph_columns, read, read_vtk, read_vtp, write_vtk, write_vtp,
+    Column, Content, ReadOptions, Values, graph_columns, read, read_vtk, read_vtp, write_swc, write_vtk, write_vtp,
 };
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{Scale, metres};
@@ -214,6 +214,18 @@ fn radii_and_numbers_of_cells_as_the_circle_of_willis_program_writes_them() {
     assert!(notes[0].starts_with("radius from cell array \"ce_radius\"; at 2 points without one from cell array \"mis_radius\""));
 }
 
+/// By hand: two cells of 1 and 3 mm make one vessel, (1 · 1 + 3 · 4)/4 mm wide; each branch is as wide as its own cell, not as the mean of those
+/// that meet.
+#[test]
+fn vessels_are_as_wide_as_their_own_cells() {
+    let text = "# vtk DataFile Version 4.2\nt\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n0 0 0 1 0 0 4 0 0 4 1 0 4 -2 0\n\
+                LINES 4 12\n2 0 1 2 1 2 2 2 3 2 2 4\nCELL_DATA 4\nFIELD FieldData 1\nRadius 1 4 double\n1 4 0.5 0.25\n";
+    let (lines, _) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
+    let found = contract(&lines, RadiusRule::Mean, None).unwrap().network;
+    let radii: Vec<f64> = found.vessels().map(|(_, vessel)| (1e12 * vessel.radius).round()).collect();
+    assert_eq!(radii, [3.25e9, 0.5e9, 0.25e9]);
+}
+
 /// A junction, a ring at it and a path; positions that millimetres cannot hold exactly.
 fn network() -> Network {
     let mut network = Network::new();
@@ -301,11 +313,14 @@ fn vessels_that_were_cut_apart_stay_apart() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [(&network, &apart[..], (2, 2)), (&network, &[][..], (1, 4)), (&joined, &one[..], (1, 4))];
     for (network, columns, found) in cases {
-        for name in ["a.vtk", "a.vtp"] {
+        let names = if columns.is_empty() { &["a.vtk", "a.vtp"][..] } else { &["a.vtk", "a.vtp", "a.swc"] };
+        for name in names {
             let (path, mut bytes) = (folder.path().join(name), Vec::new());
-            let write =
-                if name == "a.vtk" { write_vtk(&mut bytes, network, columns) } else { write_vtp(&mut bytes, network, columns) };
-            write.unwrap();
+            match *name {
+                "a.vtk" => write_vtk(&mut bytes, network, columns).unwrap(),
+                "a.vtp" => write_vtp(&mut bytes, network, columns).unwrap(),
+                _ => assert_eq!(write_swc(&mut bytes, network).unwrap(), [[0; 2]; 0]),
+            }
             std::fs::write(&path, bytes).unwrap();
             let read = willis::read(&path, &ReadOptions::default()).unwrap().network;
             assert_eq!((fragments(&read, |_, _| true).count, read.vessel_count()), found, "{name}");

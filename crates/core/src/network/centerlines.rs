@@ -31,6 +31,8 @@ pub struct Centerlines {
     pub strand: Vec<u32>,
     /// Pairs of linked points.
     pub links: Vec<[u32; 2]>,
+    /// The radii of the links, m, where the file states those (NaN where it lacks one); points then have their mean. Else none.
+    pub link_radii: Vec<f64>,
     /// The anatomical labels of the links.
     pub labels: Labels,
     /// Points that were merged with another: their numbers in the file, and the row of the other.
@@ -117,14 +119,16 @@ pub const WELD_TOLERANCE: f64 = 1e-6;
 
 impl Centerlines {
     /// Merges coincident points: those of different polylines, the two ends of a closed polyline's only
-    /// link run, and linked points without a distance between them. Returns how many points were removed.
+    /// link run, and linked points without a distance between them; only the last, where the file states its nodes. Returns how many points
+    /// were removed.
     ///
     /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
         let reach = tolerance * box_diagonal(self.points.iter().copied());
         let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
-        let mut places = DistinctPositions::of(&self.points, &self.strand);
+        let strands = &self.strand[..if self.states_nodes { 0 } else { n }];
+        let mut places = DistinctPositions::of(&self.points, strands);
         places.unite_crowds(reach);
         // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for
         // its other points, once they are merged.
@@ -186,6 +190,7 @@ impl Centerlines {
         self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
         let mut row_of: HashMap<[u32; 2], usize> = HashMap::new();
         let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
+        let radii = std::mem::take(&mut self.link_radii);
         for (row, link) in links.into_iter().enumerate() {
             let [a, b] = link.map(|p| new_index[p as usize]);
             if a == b {
@@ -194,6 +199,7 @@ impl Centerlines {
             let first = *row_of.entry([a.min(b), a.max(b)]).or_insert(self.links.len());
             if first == self.links.len() {
                 self.add_link([a, b], labels.of(row));
+                self.link_radii.extend(radii.get(row));
             } else if self.labels.of(first).is_empty() {
                 self.labels.set(first, labels.of(row));
             }
@@ -425,7 +431,7 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
     for run in runs {
         let (points, ends) = (&run.nodes, run.ends().map(|point| row_of[point]));
         let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
-        let radii = if let Some(radii) = radii_along(points, lines) {
+        let radii = if let Some(radii) = radii_along(&run, lines) {
             points.iter().filter(|point| !is_radius(lines.radii[**point])).for_each(|point| interpolated[*point] = true);
             radii
         } else {
@@ -472,13 +478,25 @@ fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
-/// The radii along some points: missing ones linear over arc length between valid neighbours, round the end of a ring too, and level beyond
-/// the outermost; `None` when there is no valid one.
-fn radii_along(points: &[usize], lines: &Centerlines) -> Option<Vec<f64>> {
+/// The radii along the points of a run: missing ones linear over arc length between valid neighbours, round the end of a ring too, and level
+/// beyond the outermost; `None` when there is no valid one. Where links have radii, a point has the mean of its links in the run, weighted by
+/// length, which keeps ∫ r dz.
+fn radii_along(run: &Walk, lines: &Centerlines) -> Option<Vec<f64>> {
+    let points = &run.nodes;
+    let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
+    for (i, radius) in radii.iter_mut().enumerate().filter(|_| !lines.link_radii.is_empty()) {
+        let mut length = 0.0;
+        for n in i.saturating_sub(1)..(i + 1).min(run.edges.len()) {
+            let (step, own) = (arc[n + 1] - arc[n], lines.link_radii.get(run.edges[n]).copied().unwrap_or_default());
+            if step > 0.0 && is_radius(own) {
+                length += step;
+                *radius = if length > step { *radius + (own - *radius) * step / length } else { own };
+            }
+        }
+    }
     let mut valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
     let (first, last, end) = (*valid.first()?, *valid.last()?, radii.len() - 1);
-    let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let (head, tail) = (radii[first], radii[last]);
     let between = |from: f64, to: f64, along: f64, span: f64| {
         let share = if span > 0.0 { along / span } else { 0.5 };

@@ -62,9 +62,7 @@ impl Content {
         let defaulted = format!("without any radius: took `default_radius`, {taken} mm");
         let (mut network, lines, mixed_labels) = match self {
             Self::Centerlines(mut lines) => {
-                if !lines.states_nodes {
-                    note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
-                }
+                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
                 let made = contract(&lines, rule, default_radius)?;
                 note(made.repaired_radii, "point", "without a positive finite radius: interpolated along the vessel");
                 note(made.default_radii, "vessel", &defaulted);

@@ -164,9 +164,15 @@ impl PointLinks {
     }
 }
 
-/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand,
-/// so that coincident points are merged only where they belong to different parts.
-pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], label: impl Fn(usize) -> String) -> Centerlines {
+/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels, and with their radii where these are stated. Each
+/// connected part is one strand, so that coincident points are merged only where they belong to different parts.
+pub(crate) fn centerlines(
+    points: &[Point],
+    radii: &[f64],
+    links: &[[u32; 2]],
+    link_radii: &[f64],
+    label: impl Fn(usize) -> String,
+) -> Centerlines {
     let mut lines = Centerlines::default();
     for (row, (point, radius)) in points.iter().zip(radii).enumerate() {
         lines.add_point(*point, *radius, row as u64, 0);
@@ -174,6 +180,7 @@ pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], l
     lines.strand = parts_of(points.len(), links);
     for (row, link) in links.iter().enumerate().filter(|(_, [a, b])| a != b) {
         lines.add_link(*link, &label(row));
+        lines.link_radii.extend(link_radii.get(row));
     }
     lines
 }

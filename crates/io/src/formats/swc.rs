@@ -1,6 +1,6 @@
 //! SWC: one centerline point a line, each linked to its parent; the type column holds the labels.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, hash_map::Entry};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
 use crate::formats::polylines::{between, node_points, parents_first, steps_from_inlets};
@@ -17,7 +17,8 @@ const ROW: &str = "expected 7 (id type x y z radius parent)";
 /// to be repaired along its vessel. A parent of 0 where no point has the id 0 is none, as Vaa3D writes it. The strand of a point is the number of its tree. The label of a link is the type of its child
 /// point: the name that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are
 /// no labels where all are the same, or where only the first and last points of trees have one. A comment `SPACE=RAS` or `SPACE=LPS`
-/// states the frame.
+/// states the frame, and another that points in one place are apart unless they are linked, as [`write_swc`] writes it. `SCALE` and `OFFSET` of
+/// comments are not applied.
 ///
 /// # Errors
 ///
@@ -29,7 +30,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     let mut row_of = HashMap::new();
     let mut line_of = Vec::new();
     let mut wide = None;
-    let (mut types, mut names) = (Vec::new(), BTreeMap::new());
+    let (mut types, mut names, mut notes) = (Vec::new(), BTreeMap::new(), Vec::new());
     let mut at = 0;
     for chunk in input.split(b'\n') {
         let chunk = chunk.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?;
@@ -43,10 +44,16 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             let words: Vec<&str> = text.split_whitespace().collect();
             if words.is_empty() {
                 let frame = Frame::of_header(line);
+                lines.states_nodes |= line.trim() == APART;
                 if let Some((code, name)) = type_name(line) {
                     names.insert(code, name);
                 } else if frame.is_known() {
                     lines.frame = frame;
+                } else if is_unapplied(line) {
+                    notes.push(format!(
+                        "line {at}: {} is not applied; `units` and `spacing` scale lengths",
+                        line.trim_matches(['#', ' '])
+                    ));
                 }
                 continue;
             }
@@ -100,8 +107,10 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     let mut roots = lines.ids.iter().zip(&up).filter(|(_, parent)| parent.is_none()).map(|(id, _)| *id);
     lines.root = roots.next().filter(|_| roots.next().is_none());
     name_links(&mut lines, &types, &names);
-    let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
-    Ok((lines, notes.into_iter().collect()))
+    notes.extend(
+        wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored")),
+    );
+    Ok((lines, notes))
 }
 
 fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {
@@ -132,7 +141,10 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
     let types = type_codes(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
-    head(&mut out, network.frame, &types)?;
+    let inner = network.vessels().flat_map(|(_, vessel)| vessel.path.iter().skip(1).take(vessel.path.len().saturating_sub(2)));
+    let mut places = HashSet::new();
+    let are_apart = at.iter().chain(inner).any(|point| !places.insert(point.position.map(|x| (x + 0.0).to_bits())));
+    head(&mut out, network.frame, are_apart, &types)?;
     let mut used = 0_u64;
     let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
         used += 1;
@@ -188,7 +200,7 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
         }
     }
     let types = type_codes((0..lines.links.len()).map(|row| lines.labels.of(row)));
-    head(&mut out, lines.frame, &types)?;
+    head(&mut out, lines.frame, lines.states_nodes, &types)?;
     for (point, parent) in parent.iter().enumerate() {
         let [x, y, z] = lines.points[point].map(millimetres);
         let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
@@ -200,10 +212,17 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     Ok(loops)
 }
 
-/// The comments at the top: the units, the frame where it is known, the label of each type in their order, the columns.
-fn head(mut out: impl Write, frame: Frame, types: &BTreeMap<String, u64>) -> io::Result<()> {
+/// The comment of a file in which points in one place are not one.
+const APART: &str = "# points in one place are apart unless they are linked";
+
+/// The comments at the top: the units, the frame where it is known, whether points in one place are apart, the label of each type in their order,
+/// the columns.
+fn head(mut out: impl Write, frame: Frame, are_apart: bool, types: &BTreeMap<String, u64>) -> io::Result<()> {
     let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
     writeln!(out, "# centerlines; coordinates and radii in mm{frame}")?;
+    if are_apart {
+        writeln!(out, "{APART}")?;
+    }
     let by_code: BTreeMap<u64, &String> = types.iter().map(|(label, code)| (*code, label)).collect();
     by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))?;
     writeln!(out, "# id type x y z radius parent")
@@ -219,6 +238,17 @@ fn type_name(line: &str) -> Option<(u64, String)> {
     let words = line.trim().strip_prefix('#')?.trim_start().strip_prefix("label ")?;
     let (code, name) = words.trim().split_once(char::is_whitespace)?;
     Some((code.parse().ok()?, name.trim().to_owned()))
+}
+
+/// Whether a comment states another scale than 1, or another offset than 0, as those of CNIC and NeuroMorpho may.
+fn is_unapplied(line: &str) -> bool {
+    let mut words = line.trim_matches(['#', ' ']).split_whitespace();
+    let usual = match words.next() {
+        Some("SCALE") => 1.0,
+        Some("OFFSET") => 0.0,
+        _ => return false,
+    };
+    words.any(|word| word.parse::<f64>().is_ok_and(|x| x != usual))
 }
 
 /// The label code in a type column; 0 for none.

@@ -21,8 +21,7 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 ///
 /// - N radii are those of the points. The edges are then links of centerlines.
 /// - M radii are those of the edges. With `lengths` (M) every edge is one observed vessel; without, the edges are
-///   links of centerlines, and each point takes the mean of its links, weighted by length, which keeps ∫ r dz over all of
-///   them. Where N = M the radii are those of the points, unless there are lengths.
+///   links of centerlines. Where N = M the radii are those of the points, unless there are lengths.
 /// - N radii beside `lengths` are an error: a link is as long as its points are apart.
 /// - M `labels` (text, or whole numbers other than 0) name the edges; N name the points, and an edge takes the name on which
 ///   its two points agree.
@@ -88,8 +87,9 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     }
     let are_of_edges = sizes.len() != n;
     let note = are_of_edges.then(|| "radii are those of edges: each point takes the mean of its edges over length".to_owned());
-    let sizes = if are_of_edges { radii_of_points(&points, &links, &sizes) } else { sizes };
-    let lines = Centerlines { frame, ..centerlines(&points, &sizes, &links, label) };
+    let of_points = are_of_edges.then(|| radii_of_points(&points, &links, &sizes));
+    let (radii, link_radii) = of_points.as_ref().map_or((&sizes, &[][..]), |radii| (radii, &sizes));
+    let lines = Centerlines { frame, ..centerlines(&points, radii, &links, link_radii, label) };
     Ok((Content::Centerlines(lines), note.into_iter().collect()))
 }
 

@@ -103,13 +103,13 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     let is_right = total == course.len() as f64 && counts.iter().all(|n| *n >= 0.0 && n.fract() == 0.0);
     ensure(is_right, || Fault::item("NumEdgePoints", format!("{total} in all"), accepted()))?;
     ensure(!counts.is_empty(), || Fault::file("no edges", "expected a SpatialGraph with edges"))?;
-    let sizes = header.radii(&data, options, &counts)?.unwrap_or_else(|| vec![f64::NAN; course.len()]);
+    let (sizes, of_edges) = header.radii(&data, options, &counts)?.unwrap_or_else(|| (vec![f64::NAN; course.len()], false));
     let sizes: Vec<f64> = sizes.into_iter().map(|radius| scale.length(radius)).collect();
     let names = header.labels(&data, options.max_input)?;
     let mut radii = vec![f64::NAN; vertices];
     let mut at_vertex = vec![(0.0, 0.0); vertices];
     let reach = WELD_TOLERANCE * box_diagonal(points.iter().chain(&course).copied());
-    let (mut links, mut labels, mut first) = (Vec::new(), Vec::new(), 0);
+    let (mut links, mut link_radii, mut labels, mut first) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for (edge, count) in counts.iter().map(|count| *count as usize).enumerate() {
         let own = first..first + count;
         first += count;
@@ -139,12 +139,15 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         line.push(b as u32);
         links.extend(line.windows(2).map(|pair| [pair[0], pair[1]]));
         labels.resize(links.len(), edge);
+        if of_edges {
+            link_radii.resize(links.len(), sizes.get(own.start).copied().filter(|_| count > 0).unwrap_or(f64::NAN));
+        }
     }
     for (radius, (sum, of)) in radii.iter_mut().zip(at_vertex) {
         *radius = if of > 0.0 { sum / of } else { f64::NAN };
     }
     let label = |link: usize| names.as_ref().map_or(String::new(), |names| names[labels[link]].clone());
-    Ok((Centerlines { unit, ..centerlines(&points, &radii, &links, label) }, header.notes()))
+    Ok((Centerlines { unit, ..centerlines(&points, &radii, &links, &link_radii, label) }, header.notes()))
 }
 
 impl AmiraHeader {
@@ -279,8 +282,13 @@ impl AmiraHeader {
         Ok(bytes[..size].chunks_exact(array.size).map(|stored| array.kind.value(stored, big)).collect())
     }
 
-    /// The radius of every point; `None` without radii where they are optional.
-    fn radii(&self, data: &HashMap<u32, &[u8]>, options: &ReadOptions, counts: &[f64]) -> Result<Option<Vec<f64>>, Fault> {
+    /// The radius of every point, and whether edges state it; `None` without radii where they are optional.
+    fn radii(
+        &self,
+        data: &HashMap<u32, &[u8]>,
+        options: &ReadOptions,
+        counts: &[f64],
+    ) -> Result<Option<(Vec<f64>, bool)>, Fault> {
         let find = |name: &str, of: &str| {
             self.arrays.iter().find(|array| array.of == of && array.row == 1 && array.name.eq_ignore_ascii_case(name))
         };
@@ -300,10 +308,11 @@ impl AmiraHeader {
         if array.name.to_ascii_lowercase().contains("area") {
             values = values.into_iter().map(radius_of).collect();
         }
-        if array.of == "EDGE" {
+        let of_edges = array.of == "EDGE";
+        if of_edges {
             values = counts.iter().zip(values).flat_map(|(count, radius)| std::iter::repeat_n(radius, *count as usize)).collect();
         }
-        Ok(Some(values))
+        Ok(Some((values, of_edges)))
     }
 
     /// The label of every edge, if there are any.

@@ -69,7 +69,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         }
         ensure(!links.is_empty(), none)?;
         let radii = vertices.radii.unwrap_or_else(|| vec![f64::NAN; vertices.positions.len()]);
-        let lines = centerlines(&vertices.positions, &radii, &links, |row| labels[row].clone());
+        let lines = centerlines(&vertices.positions, &radii, &links, &[], |row| labels[row].clone());
         return Ok((Content::Centerlines(lines), vec!["edges link the vertices by row, as VesselVio's do".to_owned()]));
     };
     let mut network = network_of_points(&vertices.positions);

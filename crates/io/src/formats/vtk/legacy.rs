@@ -26,7 +26,7 @@ pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
             ArrayValues::Unread => {}
         }
     }
-    let (lines, more) = centerlines(&[data], options)?;
+    let (lines, more) = centerlines(vec![data], options)?;
     notes.extend(more);
     Ok((Centerlines { frame, ..lines }, notes))
 }

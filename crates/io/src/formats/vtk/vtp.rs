@@ -48,7 +48,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         }
         before = [before[0] + number(piece, "NumberOfPoints")?, before[1] + lines];
     }
-    let (mut lines, more) = centerlines(&read, options)?;
+    let (mut lines, more) = centerlines(read, options)?;
     lines.frame = polydata.map_or(Ok(Frame::Unknown), |polydata| frame(polydata, &arrays))?;
     notes.extend(more);
     Ok((lines, notes))

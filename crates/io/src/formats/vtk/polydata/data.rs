@@ -65,6 +65,8 @@ pub(crate) struct PolyLines {
     pub(super) radii: Vec<f64>,
     /// The labels of links, those of each line that has one; the first one is empty.
     pub(super) names: Vec<String>,
+    /// With each of these the radius that the line states, m; NaN where points state theirs.
+    pub(super) line_radii: Vec<f64>,
     pub(super) each: Vec<PolyLine>,
     /// Points that were merged away, each with the one that replaces it.
     pub(super) merged: Vec<[u32; 2]>,
@@ -104,13 +106,17 @@ impl Found {
     }
 }
 
-/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), and notes for the user.
+/// The radius of every point in the file's unit (NaN, zero and negative values are missing ones), whether lines state it, and a note for the user.
 ///
 /// Areas give r = sqrt(a / pi), the radius of Moriconi et al. 2019, eq. 1, before any radius of an inscribed sphere; where an
 /// area or an equivalent radius is missing, the inscribed sphere's stands in. The array that the options name holds areas when
 /// its name says "area"; no array at all is an error unless the radius is optional. An array with one value for each line gives
 /// each point the mean of the lines that it is on.
-pub(super) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOptions) -> Result<(Vec<f64>, Option<String>), Fault> {
+pub(super) fn radii(
+    piece: &PolyData,
+    cells: &[Vec<usize>],
+    options: &ReadOptions,
+) -> Result<(Vec<f64>, bool, Option<String>), Fault> {
     let find = |names: &[&str]| names.iter().find_map(|name| find(piece, cells, name));
     let named = options.radius_array.as_deref().map(str::trim);
     let (mut first, is_area) = if let Some(name) = named {
@@ -119,7 +125,7 @@ pub(super) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
         match (find(&AREAS), find(&EQUIVALENT).or_else(|| find(&RADII))) {
             (Some(area), _) => (area, true),
             (None, Some(radius)) => (radius, false),
-            (None, None) if options.is_radius_optional() => return Ok((vec![f64::NAN; piece.points.len()], None)),
+            (None, None) if options.is_radius_optional() => return Ok((vec![f64::NAN; piece.points.len()], false, None)),
             (None, None) => return Err(missing(piece, None)),
         }
     };
@@ -135,7 +141,8 @@ pub(super) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
     } else if EQUIVALENT.contains(&first.name.as_str()) || (first.of_lines && named.is_none()) {
         format!("radius from {}", first.title())
     } else {
-        return Ok((first.values, first.of_lines.then(|| format!("each point has the mean \"{}\" of its cells", first.name))));
+        let note = first.of_lines.then(|| format!("each point has the mean \"{}\" of its cells", first.name));
+        return Ok((first.values, first.of_lines, note));
     };
     let used = marked(piece.points.len(), cells.iter().flatten().copied());
     let holes: Vec<usize> = (0..first.values.len()).filter(|p| used[*p] && !is_radius(first.values[*p])).collect();
@@ -149,7 +156,17 @@ pub(super) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
     if first.of_lines {
         note += "; a point has the mean of its cells";
     }
-    Ok((first.values, Some(note)))
+    Ok((first.values, first.of_lines, Some(note)))
+}
+
+/// The radius of every line, as if each had a point of its own.
+pub(super) fn radii_of_lines(piece: &mut PolyData, options: &ReadOptions) -> Result<Vec<f64>, Fault> {
+    let line_data = std::mem::take(&mut piece.line_data);
+    let alone = PolyData { points: vec![[0.0; 3]; piece.ends.len()], line_data, ..PolyData::default() };
+    let each: Vec<Vec<usize>> = (0..alone.points.len()).map(|line| vec![line]).collect();
+    let found = radii(&alone, &each, options)?.0;
+    piece.line_data = alone.line_data;
+    Ok(found)
 }
 
 fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {

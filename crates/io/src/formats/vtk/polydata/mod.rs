@@ -8,7 +8,6 @@ pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
 use data::{PolyLine, PolyLines};
 
 use crate::formats::{Centerlines, Fault, ReadOptions, ensure, parts_of};
-use willis_core::network::Fragments;
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -42,19 +41,23 @@ pub(crate) fn check_cells(lines: usize, verts: usize, faces: usize, accepted: &s
 /// # Errors
 ///
 /// Lines that contradict the points, a point on a line without finite coordinates, no array of radii.
-pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut all = PolyLines { names: vec![String::new()], ..PolyLines::default() };
+pub(crate) fn centerlines(mut pieces: Vec<PolyData>, options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut all = PolyLines { names: vec![String::new()], line_radii: vec![f64::NAN], ..PolyLines::default() };
     let (mut notes, mut cut) = (Vec::new(), Vec::new());
     let mut ids = Vec::new();
-    for piece in pieces {
+    for piece in &mut pieces {
         let cells = cells(piece)?;
-        let (radii, found) = data::radii(piece, &cells, options)?;
+        let (radii, are_of_lines, found) = data::radii(piece, &cells, options)?;
         notes.extend(found.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         let first = all.at.len();
         all.at.extend(piece.points.iter().map(|p| options.scale.position(*p)));
         all.radii.extend(radii.into_iter().map(|r| options.scale.length(r)));
         ids.extend((0..piece.points.len()).map(|point| (piece.before[0] + point) as u64));
-        let (labels, from) = (labels_of_lines(piece), all.each.len());
+        let (mut labels, from) = (labels_of_lines(piece), all.each.len());
+        if are_of_lines {
+            labels.resize(cells.len(), String::new());
+            all.line_radii.extend(data::radii_of_lines(piece, options)?.into_iter().map(|r| options.scale.length(r)));
+        }
         for (line, cell) in cells.iter().enumerate() {
             let points: Vec<u32> = cell.iter().map(|p| (first + p) as u32).collect();
             let links = points.len().saturating_sub(1);
@@ -62,6 +65,7 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
             all.each.push(PolyLine { points, names: vec![name; links] });
         }
         all.names.extend(labels);
+        all.line_radii.resize(all.names.len(), f64::NAN);
         cut.extend(tracts::tracts_of_lines(piece, from));
     }
     if !cut.is_empty() {
@@ -103,26 +107,25 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
     Ok(out)
 }
 
-/// Where the lines state their nodes, two of them that a line of no length joins, as at a contact, are one.
 fn build(all: &PolyLines, ids: &[u64], states_nodes: bool) -> Centerlines {
     let mut out = Centerlines { states_nodes, ..Centerlines::default() };
-    let mut row_of = std::collections::HashMap::<usize, u32>::new();
-    let pairs = all.each.iter().filter(|_| states_nodes).flat_map(|line| line.points.windows(2));
-    let joined = pairs.map(|pair| [pair[0] as usize, pair[1] as usize]).filter(|[a, b]| all.at[*a] == all.at[*b]);
-    let place = Fragments::over(all.at.len(), joined).of_node;
+    let mut row_of = std::collections::HashMap::<u32, u32>::new();
+    let states_radii = all.line_radii.iter().any(|radius| !radius.is_nan());
     for line in &all.each {
         let mut before = None;
         for (n, point) in line.points.iter().enumerate() {
             let p = *point as usize;
-            let row = *row_of.entry(place[p]).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], 0));
+            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], 0));
             if let Some(before) = before.replace(row).filter(|before| *before != row) {
-                out.add_link([before, row], all.names[line.names[n - 1] as usize].trim());
+                let name = line.names[n - 1] as usize;
+                out.add_link([before, row], all.names[name].trim());
+                out.link_radii.extend(states_radii.then_some(all.line_radii[name]));
             }
         }
     }
     // Lines that share points are one tree, as it is in SWC.
     out.strand = parts_of(out.points.len(), &out.links);
-    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(&place[*stays as usize])?)));
+    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
     out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
     out.sources = all.sources.iter().map(|point| ids[*point as usize]).collect();
     out
