@@ -103,7 +103,8 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 /// no rule has it; its row stays, so that every other row does.
 ///
 /// Candidates beside accepted ones follow: by the law of [forests](knows_fragments) those that close a loop are gone, and a fragment hangs on one other
-/// at most; judged one by one they keep half of their P ([`BESIDE_ACCEPTED`]). Candidates beside rejected ones, and contacts, keep theirs.
+/// at most; judged one by one they keep half of their P ([`BESIDE_ACCEPTED`]), once for each end, however many are accepted there and when. Candidates
+/// beside rejected ones, and contacts, keep theirs.
 ///
 /// # Errors
 ///
@@ -143,7 +144,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
 struct Excluded {
     of_forest: bool,
     /// Per free end that accepted candidates leave, the probability that its fragment hangs by none of them: where it hangs on one at most,
-    /// 1 / (1 + Σ of the odds that it hangs by each).
+    /// 1 / (1 + Σ of the odds that it hangs by each). Judged one by one, an end where one was accepted before has taken the half of others.
     hangs_by_none: BTreeMap<usize, f64>,
     /// Per node its fragment before and after.
     parts: [Vec<usize>; 2],
@@ -153,9 +154,13 @@ impl Excluded {
     fn by(graph: &Network, decided: &BTreeMap<usize, bool>) -> Self {
         let degree = graph.degrees(|vessel| vessel.origin == Origin::Observed);
         let accepted = |row: usize| decided.get(&row) == Some(&true);
+        let of_forest = knows_fragments(graph);
         let mut odds: BTreeMap<usize, f64> = BTreeMap::new();
-        for (row, (ends, vessel)) in graph.vessels().enumerate() {
-            if !accepted(row) || vessel.origin != Origin::Candidate {
+        let mut taken = BTreeSet::new();
+        for (row, (ends, vessel)) in graph.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin == Origin::Candidate) {
+            if !accepted(row) {
+                let is_taken = !of_forest && vessel.certain && !decided.contains_key(&row);
+                taken.extend(ends.into_iter().filter(|_| is_taken));
                 continue;
             }
             let Evidence { probability: p, attached, .. } = vessel.evidence().unwrap_or(Evidence::undirected(0.0));
@@ -166,8 +171,9 @@ impl Excluded {
         }
         let before = fragments(graph, |row, vessel| vessel.is_given() && !accepted(row)).of_node;
         let after = fragments(graph, |row, vessel| vessel.is_given() || accepted(row)).of_node;
-        let hangs_by_none = odds.into_iter().map(|(node, odds)| (node, 1.0 / (1.0 + odds))).collect();
-        Self { of_forest: knows_fragments(graph), hangs_by_none, parts: [before, after] }
+        let open = odds.into_iter().filter(|(node, _)| !taken.contains(node));
+        let hangs_by_none = open.map(|(node, odds)| (node, 1.0 / (1.0 + odds))).collect();
+        Self { of_forest, hangs_by_none, parts: [before, after] }
     }
 
     /// What is left of a candidate; `None` where nothing of it is excluded.

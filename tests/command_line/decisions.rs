@@ -250,6 +250,19 @@ fn what_is_judged_one_by_one_keeps_half_beside_what_is_accepted_and_all_beside_w
     assert_eq!(decided(None, false), [[0.0, 0.3, 0.1, 0.4]; 2]);
 }
 
+/// By hand: the third candidate of an end is halved once, whether both others are accepted together or one in a graph where the other is certain.
+#[test]
+fn one_after_the_other_leaves_what_both_leave_together() {
+    for lists in [&[&[4, 5][..]][..], &[&[4], &[5]], &[&[5], &[4]]] {
+        let mut graph = graph(None);
+        for rows in lists {
+            apply(&mut graph, &rows.iter().map(|row| decision(*row, true)).collect::<Vec<_>>()).expect("applied");
+        }
+        let left: Vec<f64> = (4..8).map(|row| graph.vessel(row).evidence().expect("evidence").probability).collect();
+        assert_eq!(left, [1.0, 1.0, 0.05, 0.4], "{lists:?}");
+    }
+}
+
 /// Three vessels: two go on from the free end of the first, as well as from an end that a person did not decide on. A contact is no free end's.
 #[test]
 fn an_accepted_connection_uses_its_free_end_which_may_still_join_what_is_apart() {

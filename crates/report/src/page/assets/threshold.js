@@ -170,7 +170,7 @@ class Threshold {
     if (said !== undefined) return to(said ? 1 : 0);
     if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(stated) || this.isContact(row)) return to(stated);
     const beside = this.freeEnds(row).map(end => end.filter(other => !this.isContact(other) && this.decided.get(other)));
-    if (this.beside_accepted !== null) return to(beside.reduce((p, end) => end.length ? p * this.beside_accepted : p, stated));
+    if (this.beside_accepted !== null) return to(beside.reduce((p, end, at) => end.length && !this.taken.has(this.ends[at][row]) ? p * this.beside_accepted : p, stated));
     // What closes a loop of fragments is gone, and a fragment hangs on one other at most.
     const [a, b] = this.ends.map(of => of[row]);
     if (this.joined[a] === this.joined[b] && this.apart[a] !== this.apart[b]) return to(0);
@@ -195,8 +195,10 @@ class Threshold {
     if (!this.atFreeEnd) {
       const degree = new Uint32Array(this.nodes), all = upTo(this.rows);
       for (const r of all) if (this.isObserved(r)) for (const of of this.ends) degree[of[r]] += 1;
-      const leaving = all.filter(r => this.uncertain[r] && !this.isObserved(r)).flatMap(r => this.ends.map(of => [of[r], r]));
-      this.atFreeEnd = listedBy(leaving.filter(([node]) => degree[node] <= 1));
+      const leaving = open => all.filter(r => Boolean(this.uncertain[r]) === open && !this.isObserved(r)).flatMap(r => this.ends.map(of => [of[r], r]));
+      this.atFreeEnd = listedBy(leaving(true).filter(([node]) => degree[node] <= 1));
+      // Where one was certain before anything was decided on, others have lost their half.
+      this.taken = new Set(leaving(false).filter(([, r]) => !this.isContact(r)).map(([node]) => node));
     }
     return this.ends.map(of => this.atFreeEnd.get(of[row]) || []);
   }
