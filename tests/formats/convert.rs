@@ -245,6 +245,26 @@ fn a_radius_that_the_end_of_a_line_changes_is_named() {
     }
 }
 
+/// By hand: two vessels cross, and touch where the contact between them was cut. As lines they are joined there once they are read, so that four vessels meet.
+#[test]
+fn vessels_that_only_touch_are_said_to_be_read_as_joined() {
+    let places = [[-5.0, 0.0, 0.0], [5.0, 0.0, 0.0], [0.0, -5.0, 0.0], [0.0, 5.0, 0.0]];
+    let mut network = straight_between(&places, &[([0, 1], 1.0, ""), ([2, 3], 1.0, "")]);
+    for (row, axis) in [(0, 0), (1, 1)] {
+        let point =
+            |x: f64| PathPoint { position: [0, 1, 2].map(|k| if k == axis { metres(x) } else { 0.0 }), radius: 1e-3, id: None };
+        network.vessel_mut(row).path = [-5.0, 0.0, 5.0].map(point).to_vec();
+    }
+    // Voreen has no points between nodes; VTP and VTK keep the two apart by the nodes that the command writes beside their lines, SWC by a comment.
+    for to in FILES.into_iter().filter(|(word, _)| !["voreen", "vtp", "vtk", "swc"].contains(word)) {
+        let lost = losses(&network, &Target::new("x".as_ref(), Some(to.0)).unwrap());
+        let is_told = lost.iter().any(|lost| lost == "that vessels only touch in 1 place, where they are read as joined");
+        let vessels = through(&network, to).vessel_count();
+        assert_eq!((vessels, is_told), if is_told { (4, true) } else { (2, false) }, "{}", to.0);
+        assert_eq!(is_told, !["graphml", "csv"].contains(&to.0), "{}", to.0);
+    }
+}
+
 const TABLE: &str = "node_a,node_b,length_mm,radius_mm\n0,1,4,1\n1,2,3,1\n";
 
 #[test]
@@ -252,6 +272,15 @@ fn the_command_says_what_it_wrote_and_refuses_what_it_cannot() {
     let here = folder();
     let made = willis(here.path(), &["phantom", "cerebral", "-o", "a.vtp"]);
     assert!(made.status.success(), "{}", stderr(&made));
+    // What states no frame is not turned, and 3D Slicer takes it as LPS all the same.
+    fs::write(here.path().join("l.swc"), "1 0 0 0 0 1 -1\n2 0 9 0 0 1 1\n").unwrap();
+    let said = |frame: &[&str]| stderr(&willis(here.path(), &[&["convert", "l.swc", "c.json", "--force"], frame].concat()));
+    let (untold, told) = (said(&[]), ["RAS", "LPS"].map(|frame| said(&["--frame", frame])));
+    let note = "no frame is stated, and markups call positions LPS: --frame says";
+    assert!(
+        untold.contains(note) && told.iter().all(|said| said.contains("written") && !said.contains(note)),
+        "{untold}{told:?}"
+    );
     let done = willis(here.path(), &["convert", "a.vtp", "b.swc", "--json"]);
     let said = stderr(&done);
     assert!(done.status.success() && said.contains("the links that close loops are in b.loops.csv"), "{said}");

@@ -14,7 +14,7 @@ use super::{
 };
 use willis_core::error::{Error, Result, require};
 use willis_core::flow::Unfed;
-use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
+use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel, fragments, path_places::length_of};
 use willis_core::support::geometry::lerp;
 
 /// What to write, and where.
@@ -115,6 +115,10 @@ pub fn write_into(network: &Network, target: &Target, vessels: impl Write + Seek
         network
     };
     target.format.write(network, &target.setting, vessels, nodes, &mut written)?;
+    if target.format == Format::Markups && !network.frame.is_known() {
+        let note = "no frame is stated, and markups call positions LPS: `frame` says which way the axes of the input point";
+        written.notes.push(note.to_owned());
+    }
     if !written.loops.is_empty() {
         let path = target.loops();
         written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));
@@ -191,6 +195,9 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let degree = network.degrees(|_| true);
     let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
     let [lengths, radii] = if lacks(Figures) && is_lines { changed_as_lines(network) } else { [0, 0] };
+    // These say beside their lines what is apart.
+    let states_nodes = [Format::Vtp, Format::Vtk, Format::Swc].contains(&target.format);
+    let meetings = if is_lines && !states_nodes { read_as_joined(network, lacks(LoneNodes)) } else { 0 };
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     let has_venous = |n: &Node| matches!(n.condition, Some(Condition::Resistance { venous, .. }) if venous != 0.0);
@@ -213,6 +220,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
         (lacks(Statements) || lacks(Resistances), vessels(&|v| v.resistance.is_some()), "the stated resistances of {vessel}"),
         (lacks(Statements), vessels(&|v| v.wall.is_some()), "the stated walls of {vessel}"),
         (is_lines, degree.iter().filter(|d| **d == 2).count(), "{node} between two vessels, which are read again as one"),
+        (true, meetings, "that vessels only touch in {place}, where they are read as joined"),
         (is_lines, without_course, "{vessel} from a node to itself without a course"),
         (is_openbf, inlets, "the pressure or flow of {inlet}, which openBF takes as a course in time from inlet-N.dat"),
         (is_openbf, nodes(&has_venous), "the venous pressure of {outlet}, which is 0 in openBF"),
@@ -229,6 +237,35 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
         lost.push(format!("that positions are in {frame}"));
     }
     lost
+}
+
+/// In how many places lines meet that have no node in common there, so that a reader joins them (`Centerlines::weld`): points of several lines, where
+/// these are `apart`, or of several parts of the network, or free ends.
+fn read_as_joined(network: &Network, apart: bool) -> usize {
+    let Ok((drawn, _)) = with_lines(network) else { return 0 };
+    let place = |point: &PathPoint| point.position.map(|x| (x + 0.0).to_bits());
+    let lines = polylines(&drawn).unwrap_or_default();
+    let lines: Vec<Vec<[u64; 3]>> = lines.iter().map(|line| line.iter().map(place).collect()).collect();
+    // Nodes that a vessel without extent joins are one.
+    let one = fragments(&drawn, |row, _| lines.get(row).is_some_and(|line| line.iter().all(|at| *at == line[0]))).of_node;
+    let (degree, part) = (drawn.degrees(|_| true), fragments(&drawn, |_, _| true).of_node);
+    // Each with its place, whether it is a free end, what it is, a node or a point of a vessel, and its line or part.
+    let mut points = Vec::new();
+    for (row, line) in lines.iter().enumerate() {
+        let ([a, b], last) = (drawn.ends(row), line.len() - 1);
+        let of = if apart { row } else { part[a] };
+        points.extend([(a, line[0]), (b, line[last])].map(|(node, at)| (at, [one[node], 0], of, degree[node] == 1)));
+        // Of points in one place that follow each other the last counts, or the node.
+        let inner = (1..last).filter(|at| line[*at] != line[0] && line[*at] != line[at + 1]);
+        points.extend(inner.map(|at| (line[at], [row, at], of, false)));
+    }
+    points.sort_unstable();
+    let is_joined = |there: &&[([u64; 3], [usize; 2], usize, bool)]| {
+        let [first, .., last] = there else { return false };
+        let of_others = there.iter().any(|point| point.2 != first.2);
+        first.1 != last.1 && (of_others || there.iter().filter(|point| point.3).count() > 1)
+    };
+    points.chunk_by(|a, b| a.0 == b.0).filter(is_joined).count()
 }
 
 /// How many vessels have another length, and how many another radius, as lines from node to node; none without positions.
