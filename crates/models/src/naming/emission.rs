@@ -76,7 +76,7 @@ pub struct Search<'a> {
     pub used: &'a [usize],
     /// The median log radius.
     pub median: f64,
-    /// From [`radius_fit`].
+    /// The log likelihood of the radius of each node in each state: nodes x states.
     pub radius: Vec<f64>,
     /// The forest of names.
     pub forest: NamingForest,
