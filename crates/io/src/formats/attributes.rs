@@ -261,11 +261,17 @@ pub(crate) fn vessels(
 
 /// Per edge whether it stays: not one that says the same of a vessel as one before it from the other end, as `to_directed` of NetworkX makes them.
 pub(crate) fn directions_as_one(ends: &[[usize; 2]], network: &Network) -> Vec<bool> {
+    // Few pairs of nodes have edges from both ends, so that few edges are looked up.
+    let mut pairs = ends.to_vec();
+    pairs.sort_unstable();
     let mut open: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
     let same = |a: &Vessel, b: &Vessel| a == b || *a == Vessel { path: b.path.iter().rev().copied().collect(), ..b.clone() };
     let stays = |(row, [a, b]): (usize, &[usize; 2])| {
+        if a == b || pairs.binary_search(&[*b, *a]).is_err() {
+            return true;
+        }
         let others = open.entry([*b, *a]).or_default();
-        let other = others.iter().position(|other| a != b && same(network.vessel(*other), network.vessel(row)));
+        let other = others.iter().position(|other| same(network.vessel(*other), network.vessel(row)));
         if let Some(other) = other {
             others.remove(other);
         } else {

@@ -194,10 +194,14 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
     let degree = network.degrees(|_| true);
     let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
-    let [lengths, radii] = if lacks(Figures) && is_lines { changed_as_lines(network) } else { [0, 0] };
+    let drawn = if is_lines { with_lines(network).ok() } else { None };
+    let drawn = drawn.and_then(|(drawn, _)| Some((polylines(&drawn).ok()?, drawn)));
+    let changed = drawn.as_ref().filter(|_| lacks(Figures)).map(|(lines, drawn)| changed_as_lines(drawn, lines));
+    let [lengths, radii] = changed.unwrap_or_default();
     // These say beside their lines what is apart.
     let states_nodes = [Format::Vtp, Format::Vtk, Format::Swc].contains(&target.format);
-    let meetings = if is_lines && !states_nodes { read_as_joined(network, lacks(LoneNodes)) } else { 0 };
+    let joined = drawn.filter(|_| !states_nodes).map(|(lines, drawn)| read_as_joined(&drawn, &lines, lacks(LoneNodes)));
+    let meetings = joined.unwrap_or_default();
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     let has_venous = |n: &Node| matches!(n.condition, Some(Condition::Resistance { venous, .. }) if venous != 0.0);
@@ -241,14 +245,12 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
 
 /// In how many places lines meet that have no node in common there, so that a reader joins them (`Centerlines::weld`): points of several lines, where
 /// these are `apart`, or of several parts of the network, or free ends.
-fn read_as_joined(network: &Network, apart: bool) -> usize {
-    let Ok((drawn, _)) = with_lines(network) else { return 0 };
+fn read_as_joined(drawn: &Network, lines: &[Vec<PathPoint>], apart: bool) -> usize {
     let place = |point: &PathPoint| point.position.map(|x| (x + 0.0).to_bits());
-    let lines = polylines(&drawn).unwrap_or_default();
     let lines: Vec<Vec<[u64; 3]>> = lines.iter().map(|line| line.iter().map(place).collect()).collect();
     // Nodes that a vessel without extent joins are one.
-    let one = fragments(&drawn, |row, _| lines.get(row).is_some_and(|line| line.iter().all(|at| *at == line[0]))).of_node;
-    let (degree, part) = (drawn.degrees(|_| true), fragments(&drawn, |_, _| true).of_node);
+    let one = fragments(drawn, |row, _| lines.get(row).is_some_and(|line| line.iter().all(|at| *at == line[0]))).of_node;
+    let (degree, part) = (drawn.degrees(|_| true), fragments(drawn, |_, _| true).of_node);
     // Each with its place, whether it is a free end, what it is, a node or a point of a vessel, and its line or part.
     let mut points = Vec::new();
     for (row, line) in lines.iter().enumerate() {
@@ -268,10 +270,8 @@ fn read_as_joined(network: &Network, apart: bool) -> usize {
     points.chunk_by(|a, b| a.0 == b.0).filter(is_joined).count()
 }
 
-/// How many vessels have another length, and how many another radius, as lines from node to node; none without positions.
-fn changed_as_lines(network: &Network) -> [usize; 2] {
-    let Ok((drawn, _)) = with_lines(network) else { return [0; 2] };
-    let lines = polylines(&drawn).unwrap_or_default();
+/// How many vessels have another length, and how many another radius, as lines from node to node.
+fn changed_as_lines(drawn: &Network, lines: &[Vec<PathPoint>]) -> [usize; 2] {
     let differs = |drawn: f64, stated: f64| (drawn - stated).abs() > SAME * stated.abs();
     let changed = |of: &dyn Fn(&[PathPoint]) -> f64, stated: &dyn Fn(&Vessel) -> f64| {
         lines.iter().zip(drawn.vessels()).filter(|(line, (_, vessel))| differs(of(line), stated(vessel))).count()
