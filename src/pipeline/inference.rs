@@ -53,7 +53,6 @@ impl Prepared {
         boundary.roles.len() == nodes
             && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
             && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
-            && self.own_nodes <= nodes
             && self.early.fits(self.undecided_graph())
             && self.undecided_graph().node_count() <= nodes
             && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
@@ -174,12 +173,12 @@ impl Inference {
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> Outcome<'_> {
         let Sampled { prepared, sampling, likelihood: result, solver, .. } = &self.sampled;
-        let Prepared { graph: network, own_nodes, boundary, contacts, image_places, keep, .. } = &**prepared;
+        let Prepared { graph: network, early, boundary, contacts, image_places, keep, .. } = &**prepared;
         let topology = |kept: &[bool]| Topology::of(network, &result.uncertain, kept, &boundary.held(network, |row| kept[row]));
         Outcome {
             network,
             without_decisions: prepared.without_decisions(),
-            own_nodes: *own_nodes,
+            own_nodes: early.own_nodes,
             boundary,
             suggested_cuts: &contacts.suggested,
             pairings: &contacts.pairings,

@@ -54,8 +54,9 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     }
     let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), &loaded.prior));
     remarks.into_iter().flatten().for_each(|note| notes.say(note));
+    let mut early = EarlyKnowledge { own_nodes, given, inlets_by_labels, arteries: early };
     let (graph, contacts, crowded) = match &loaded.cuts {
-        Some(cuts) => cuts.open(graph, scene.as_ref(), notes.follow),
+        Some(cuts) => cuts.open(graph, &mut early, scene.as_ref(), notes.follow),
         None => (graph, Contacts::default(), None),
     };
     let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() }.with_marks()?;
@@ -66,7 +67,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         Some(decided) => undecided.decided(decided)?,
         None => undecided,
     };
-    let early = EarlyKnowledge { given, inlets_by_labels, arteries: early };
     let arteries = early.arteries(&graph, &path, &run)?;
     let boundary = early.boundary(&graph, arteries.as_ref(), outlets, options, notes.follow)?;
 
@@ -87,7 +87,6 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         segmentation: input.lumen.as_ref().map(Segmentation::of),
         image_places,
         graph,
-        own_nodes,
         boundary,
         provenance: Provenance { notes: notes.kept, ..input.provenance },
         outlets,

@@ -1,6 +1,6 @@
 //! What is ready to be sampled, and what of it was known before there were candidates.
 
-use std::{borrow::Cow, io::Write, path::Path, sync::Arc, time::Instant};
+use std::{borrow::Cow, collections::BTreeMap, io::Write, path::Path, sync::Arc, time::Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use super::decisions::{Decidable, Decided};
 use super::models::{Contacts, CutRecord};
 use super::{ArterySource, Follow, InferOptions, ModelSource, Preset, RunOptions, Step, picture::ImageRecord};
 use crate::{CandidateOptions, FoundConditions, FoundOutlets, Keep, Network, Result, SamplingOptions, Solver};
-use willis_core::flow::{Boundary, Given};
+use willis_core::{flow::Boundary, flow::Given, support::distinct};
 use willis_io::formats::{checksum, checksum_of};
 use willis_report::{ImagePlace, Provenance, Segmentation};
 
@@ -18,9 +18,6 @@ use willis_report::{ImagePlace, Provenance, Segmentation};
 pub struct Prepared {
     /// The over-connected graph.
     pub graph: Network,
-    /// The rows of its first nodes that an input states as such; centerlines state points.
-    #[serde(default)]
-    pub(crate) own_nodes: usize,
     /// Its boundary conditions.
     pub boundary: Boundary,
     /// The file, and what a person should know.
@@ -114,6 +111,8 @@ impl Prepared {
 /// again when a person has decided on that.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct EarlyKnowledge {
+    /// How many of its first nodes an input states as such; centerlines state points.
+    pub(crate) own_nodes: usize,
     pub(crate) given: Vec<Given>,
     pub(crate) inlets_by_labels: Vec<usize>,
     pub(crate) arteries: EarlyArteries,
@@ -122,8 +121,20 @@ pub(crate) struct EarlyKnowledge {
 impl EarlyKnowledge {
     /// Whether it may be that of this graph, by the number of its nodes.
     pub(crate) fn fits(&self, graph: &Network) -> bool {
-        self.given.iter().all(|given| given.node < graph.node_count())
+        self.own_nodes <= graph.node_count()
+            && self.given.iter().all(|given| given.node < graph.node_count())
             && !matches!(&self.arteries, EarlyArteries::Landmarks(found) if !found.circle.fits(graph))
+    }
+
+    /// The same where each node has another row, that of the node that stands for it where it is gone.
+    pub(crate) fn follow(&mut self, node_now: &[usize]) {
+        self.own_nodes = distinct(node_now[..self.own_nodes].iter().copied()).len();
+        let now = self.given.iter().rev().map(|given| (node_now[given.node], Given { node: node_now[given.node], ..*given }));
+        self.given = now.collect::<BTreeMap<usize, Given>>().into_values().collect();
+        self.inlets_by_labels.iter_mut().for_each(|node| *node = node_now[*node]);
+        if let EarlyArteries::Landmarks(found) = &mut self.arteries {
+            found.circle.follow(node_now);
+        }
     }
 
     /// The arteries of a graph of the input at this path.

@@ -293,6 +293,31 @@ fn vessels_that_are_not_kept_are_not_there() {
     }
 }
 
+/// Landmarks that were found before nodes had other rows say the same of every segment after it.
+#[test]
+fn landmarks_follow_their_nodes_to_other_rows() {
+    let whole = network(&CIRCLE);
+    let meets = [("L-A1/L-A2", "lj"), ("R-P1/R-P2", "rk"), ("BA/L-P1/R-P1", "b"), ("L-ICA/L-M1/L-A1", "lt")];
+    let mut circle =
+        Circle::at(&whole, &marked(&landmarks(&[&ENDS[..], &meets].concat())).expect("landmarks")).expect("a circle").0;
+    let node_now: Vec<usize> = (0..NODES.len()).rev().collect();
+    let mut turned = Network::new();
+    node_now.iter().for_each(|row| _ = turned.add_node(whole.node(*row).clone()));
+    for (ends, vessel) in whole.vessels() {
+        turned.add_vessel(ends.map(|node| node_now[node]), vessel.clone());
+    }
+    let ids = |circle: &Circle, network: &Network| {
+        let of = |nodes: Vec<usize>| nodes.iter().map(|row| network.node(*row).id.clone()).collect::<BTreeSet<String>>();
+        [circle.inlets(), circle.outlets(), circle.ends(network)].map(of)
+    };
+    let before = ids(&circle, &whole);
+    circle.follow(&node_now);
+    assert_eq!(ids(&circle, &turned), before);
+    for segment in RING {
+        assert_eq!(circle.variant(&turned, |row| whole.vessel(row).label != segment.to_string()).missing(), [segment]);
+    }
+}
+
 #[test]
 fn a_segment_must_connect_what_it_should() {
     // A stump of A1 that hangs on the carotid alone, in the place of A1.

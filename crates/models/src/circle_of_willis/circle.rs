@@ -177,6 +177,13 @@ impl Circle {
         }
     }
 
+    /// The same circle where each node has another row.
+    pub fn follow(&mut self, node_now: &[usize]) {
+        if let Location::Nodes(points) = &mut self.location {
+            points.follow(node_now);
+        }
+    }
+
     /// The nodes where blood enters, by landmarks of carotid, basilar and vertebral arteries. Labels give none.
     pub fn inlets(&self) -> Vec<usize> {
         let Location::Nodes(points) = &self.location else { return Vec::new() };

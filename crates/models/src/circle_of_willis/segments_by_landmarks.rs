@@ -70,6 +70,14 @@ impl Points {
         pairs.into_iter().flatten().flatten().chain(others.copied())
     }
 
+    /// Puts another node in the place of each.
+    pub fn follow(&mut self, node_now: &[usize]) {
+        let Self { ica, m1, m2, a2, p2, carotid, feeders, tip, posterior, anterior, third, middle, outlets, ends } = self;
+        let one = [ica, m1, a2, p2, posterior, anterior, middle].into_iter().flatten().chain([tip, third]).flatten();
+        let several = m2.iter_mut().chain(carotid).chain([feeders, outlets, ends]).flatten();
+        one.chain(several).for_each(|node| *node = node_now[*node]);
+    }
+
     /// The outlets of the middle cerebral artery of a side.
     fn middle_outlets(&self, side: usize) -> Vec<usize> {
         self.m1[side].into_iter().chain(self.m2[side].iter().copied()).collect()

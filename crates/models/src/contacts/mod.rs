@@ -49,7 +49,7 @@ pub fn scores_by_cluster(branches: &Branches, scores: &[f64]) -> Vec<PairTable> 
 }
 
 /// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
-/// was one junction. The nodes of `network` keep their rows. The image is left out where the model does not know images. Beside it, where
+/// was one junction. The image is left out where the model does not know images. Beside it, where
 /// the vessels are unlike those that the model was calibrated on, what to tell a person.
 pub fn with_contacts(
     network: &Network,

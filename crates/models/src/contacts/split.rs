@@ -14,6 +14,7 @@ use willis_core::network::units::{as_stored, millimetres};
 use willis_core::network::{Edit, Evidence, Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
+use willis_core::support::numbered::placed;
 use willis_core::support::ties::steady;
 
 /// A contact is no shorter than this share of the core's radius: where two vessels share one junction, its length would be nothing, and
@@ -42,6 +43,8 @@ struct SplitPlan {
 pub struct Opened {
     /// The network; its last vessels are the contacts.
     pub graph: Network,
+    /// Per node of the network as it was its row now, or that of the junction that stands for it.
+    pub node_now: Vec<usize>,
     /// Per contact a junction where it is, a row of the network as it was.
     pub junctions: Vec<usize>,
     /// Per cluster that falls apart, or may well do, how its vessels may be paired.
@@ -49,8 +52,8 @@ pub struct Opened {
 }
 
 /// The network in which each cluster of several blocks has a copy of its junctions for every block, and contacts between these. Nodes
-/// keep their rows, new ones follow; contacts are the last vessels. `probability` is that of a contact whose blocks are joined so
-/// probably by the partitions; half of the latter is what either end has as `attached`.
+/// keep their order without those that no vessel needs any more, new ones follow; contacts are the last vessels. `probability` is that of
+/// a contact whose blocks are joined so probably by the partitions; half of the latter is what either end has as `attached`.
 pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probability: impl Fn(f64) -> f64) -> Opened {
     let (mut graph, _) = network.subgraph(|_| false);
     let mut plan = SplitPlan { taken: network.nodes().map(|n| n.id.clone()).collect(), ..SplitPlan::default() };
@@ -101,7 +104,12 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
         graph.add_vessel(ends, Vessel { prior: p, evidence: Some(Box::new(evidence)), ..contact });
         junctions.push(junction);
     }
-    Opened { graph, junctions, pairings }
+    let needed = graph.degrees(|_| true);
+    let stands_for = |node: usize| plan.node_of_candidate.get(&node).filter(|_| needed[node] == 0);
+    let (graph, stay, _) = graph.part(|node| stands_for(node).is_none());
+    let row_now = placed(needed.len(), stay);
+    let node_now = (0..network.node_count()).map(|node| row_now[*stands_for(node).unwrap_or(&node)]).collect();
+    Opened { graph, node_now, junctions, pairings }
 }
 
 /// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.
