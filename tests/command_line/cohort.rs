@@ -572,7 +572,9 @@ fn names_are_unique_and_safe() {
 fn folders_keep_their_dots() {
     let here = folder();
     let paths = ["c/p.1", "c/p.2", "c/T1.5T"].map(|name| here.path().join(name));
-    paths.iter().for_each(|path| fs::create_dir_all(path).expect("a folder"));
+    for path in &paths {
+        fs::create_dir_all(path).expect("a folder");
+    }
     assert_eq!(named(&paths), ["p.1", "p.2", "T1.5T"]);
 }
 
