@@ -255,8 +255,8 @@ fn find(folder: &Path, steps: &[(Component<'_>, Pattern)], found: &mut Vec<PathB
     Ok(())
 }
 
-/// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
-/// some are, `folder-file`; and a number behind what is still the same.
+/// A name for each input: that of the folder, or of the file without its ending; where all files are called the same, that of their
+/// folder; where some are, `folder-file`; and a number behind what is still the same.
 pub fn named(inputs: &[PathBuf]) -> Vec<String> {
     named_as(&inputs.iter().map(|input| (&**input, None)).collect::<Vec<_>>())
 }
@@ -265,14 +265,14 @@ pub fn named(inputs: &[PathBuf]) -> Vec<String> {
 fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
     for (path, _) in inputs {
-        *times.entry(stem(path).to_lowercase()).or_default() += 1;
+        *times.entry(name_of(path).to_lowercase()).or_default() += 1;
     }
     let word = |path: &Path| {
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        match (times[&stem(path).to_lowercase()], folder) {
+        match (times[&name_of(path).to_lowercase()], folder) {
             (n, Some(folder)) if n > 1 && n == inputs.len() => folder,
-            (n, Some(folder)) if n > 1 => format!("{folder}-{}", stem(path)),
-            _ => stem(path),
+            (n, Some(folder)) if n > 1 => format!("{folder}-{}", name_of(path)),
+            _ => name_of(path),
         }
     };
     let words = inputs.iter().map(|(path, name)| safe(&name.map_or_else(|| word(path), str::to_owned)));

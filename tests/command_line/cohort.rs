@@ -567,6 +567,17 @@ fn names_are_unique_and_safe() {
     assert!(names_of(&[&"y".repeat(300)])[0].len() <= LONGEST);
 }
 
+/// A folder has no ending: runs `p.1` and `p.2` were called after the folder in which they lie.
+#[test]
+fn folders_keep_their_dots() {
+    let here = folder();
+    let paths = ["c/p.1", "c/p.2", "c/T1.5T"].map(|name| here.path().join(name));
+    for path in &paths {
+        fs::create_dir_all(path).expect("a folder");
+    }
+    assert_eq!(named(&paths), ["p.1", "p.2", "T1.5T"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_way_leads_from_folder_to_file() {

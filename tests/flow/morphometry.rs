@@ -296,6 +296,27 @@ fn pieces_of_two_widths_keep_both() {
     }
 }
 
+/// A place that stands twice in a line, as where a contact was cut, says nothing of its course.
+#[test]
+fn a_point_in_the_place_of_another_bends_nothing() {
+    let shape = |edges: &str, nodes: &str| of_edges(edges, nodes).vessels[0].shape;
+    let [lengths, nodes] = ["a,b,1,0.6\nb,c,1.25,0.6\nc,d,0.75,0.6\n", "a,0,0,0\nb,1,0,0\nc,1.75,1,0\nd,2.5,1,0\n"];
+    let once = shape(lengths, nodes);
+    for (edges, place) in [
+        ("a,b,1,0.6\nb,c,1.25,0.6\nc,e,0.04,0.6\ne,d,0.75,0.6\n", "1.75,1,0"),
+        ("a,b,1,0.6\nb,c,1.25,0.6\nc,e,1e-13,0.6\ne,d,0.75,0.6\n", "1.7500000000001,1,0"),
+        ("a,e,1e-13,0.6\ne,b,1,0.6\nb,c,1.25,0.6\nc,d,0.75,0.6\n", "1e-13,0,0"),
+    ] {
+        let twice = shape(edges, &format!("{nodes}e,{place}\n"));
+        close(twice.curvature, once.curvature, 1e-9, edges);
+        close(twice.sum_of_angles_metric, once.sum_of_angles_metric, 1e-9, edges);
+        assert!((twice.inflection_count_metric - once.inflection_count_metric).abs() < 0.1, "{edges}");
+    }
+    let straight =
+        shape("a,b,1,0.4\nb,c,1e-13,0.4\nc,d,0.9,0.4\n", "a,0,0,0\nb,0.3,0.4,0\nc,0.30000000000002,0.4,0\nd,0.9,1.2,0\n");
+    assert!(straight.curvature * MM < 1e-6 && straight.torsion == 0.0, "{straight:?}");
+}
+
 /// Radii and lengths need no positions.
 #[test]
 fn a_graph_without_positions_has_its_volume_and_its_exponent_of_murray() {

@@ -55,6 +55,7 @@ fn what_is_wrong_names_its_line() {
         ("node,kind,value\n1,pressure,inf\n", "b:2: value \"inf\"; expected a finite number"),
         ("node,kind,value\n1;pressure;5,5\n", "b:2: "),
         ("node;kind;value\n1;pressure;5,5\n", "b:2: value \"5,5\"; expected a decimal point, not a comma"),
+        ("node,kind,value\n1,pressure,1e308\n", "b:2: pressure value 1e308; expected a number with a unit"),
         ("node,kind,value,unit\n1,pressure,5,mmhg\n", "b:2: pressure value 5mmhg; did you mean \"mmHg\"? expected a number"),
         ("node,kind,value\n1,resistance,-5\n", "b:2: resistance -"),
         ("node,label,kind\n1,a,ground\n", "b:2: no single node; expected one of node, label, or a position in mm"),

@@ -127,6 +127,36 @@ fn the_graph_has_the_loops_of_the_mask() {
     assert!(loops > 100, "{loops}");
 }
 
+/// A rod of three voxels has a line of two, and is two wide: it is not shorter than wide, and no speck. Rounding says otherwise by where and how the
+/// mask lies; and whether twigs askew to a bar three wide are spurs.
+#[test]
+fn rounding_makes_no_specks_and_spurs() {
+    let is_rod = |at: [usize; 3]| {
+        let [block, within] = [at.map(|x| x / 5), at.map(|x| x % 5)];
+        let axis = (block[0] + block[1] + block[2]) % 3;
+        at[2] < 20 && (0..3).all(|k| within[k] == 1 || k == axis && (1..4).contains(&within[k]))
+    };
+    let is_comb = |[x, y, z]: [usize; 3]| match z {
+        27 if (11..=13).contains(&y) => (x + 13 - y) % 8 == 7,
+        _ => (26..=28).contains(&z) && (9..=11).contains(&y),
+    };
+    let (sin, cos) = 0.3_f64.sin_cos();
+    let found = |size: f64, [sin, cos]: [f64; 2], origin: [f64; 3]| {
+        let mut mask = spaced([40, 40, 34], [size; 3], |at| is_rod(at) || is_comb(at));
+        mask.affine = mask.affine.map(|[x, y, z, _]| [x * cos + y * sin, y * cos - x * sin, z, 0.0]);
+        (0..3).for_each(|axis| mask.affine[axis][3] = origin[axis]);
+        let traced = trace(&mask, RadiusFrom::Area, Cavities::Fill).expect("vessels");
+        (traced.specks, traced.spurs, graph(&traced.lines).0)
+    };
+    let whole = found(1.0, [0.0, 1.0], [0.0; 3]);
+    assert_eq!((whole.0, whole.2), (0, 8 * 8 * 4 + 1));
+    for turn in [[0.0, 1.0], [sin, cos]] {
+        for origin in [[0.0; 3], [17.3, -45.1, 99.7], [-178.123, -201.456, 33.3]] {
+            assert_eq!(found(0.513_393, turn, origin), whole, "at {origin:?}");
+        }
+    }
+}
+
 /// Whether some background is shut in by vessels: faces lead from the outside to all that is not.
 pub fn has_cavity(mask: &Mask) -> bool {
     let shape = mask.shape.map(|n| n + 2);

@@ -171,6 +171,8 @@ const STRAIGHT: f64 = 0.25;
 const TERMS: usize = 5;
 /// So many points are fitted at least, where there are so many.
 const LEAST_POINTS: usize = 7;
+/// A point so near to the one before it, in smoothing lengths, says nothing about the course.
+const SAME_PLACE: f64 = 1e-3;
 
 /// Over which length a course is smoothed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -284,16 +286,24 @@ fn halves(at: &[f64]) -> Vec<[f64; 2]> {
 
 /// How a smoothed course bends: means of the curvature, of the size of the torsion, and of the angles metric; and the number of inflections.
 fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
-    let count = line.points.len();
-    if count < 2 || !(line.length > 0.0 && within > 0.0) {
+    let mut course: Vec<(f64, Point)> = Vec::new();
+    for point in &line.points {
+        let (at, step) = course.last().map_or((0.0, f64::INFINITY), |(at, last)| (*at, distance(*last, *point)));
+        if step > SAME_PLACE * within {
+            course.push((if course.is_empty() { 0.0 } else { at + step }, *point));
+        }
+    }
+    let (at, points): (Vec<f64>, Vec<Point>) = course.into_iter().unzip();
+    if points.len() < 2 || !(line.length > 0.0 && within > 0.0) {
         return ([f64::NAN; 3], 0);
     }
-    let weights: Vec<f64> = halves(&line.at).iter().map(|[before, behind]| before + behind).collect();
-    let stations = ((STATIONS * line.length / within).ceil() as usize).clamp(2, STATIONS as usize * count + 2);
+    let length = at[at.len() - 1];
+    let weights: Vec<f64> = halves(&at).iter().map(|[before, behind]| before + behind).collect();
+    let stations = ((STATIONS * length / within).ceil() as usize).clamp(2, STATIONS as usize * points.len() + 2);
     let (mut sums, mut inflections, mut normal) = ([0.0; 3], 0, None::<Point>);
     for station in 0..stations {
-        let [velocity, second, third] =
-            derivatives(line, &weights, line.length * (station as f64 + 0.5) / stations as f64, within);
+        let middle = length * (station as f64 + 0.5) / stations as f64;
+        let [velocity, second, third] = derivatives([&at, &weights], &points, middle, within);
         let turning = cross(velocity, second);
         let speed = norm(velocity);
         let curvature = norm(turning) / speed.powi(3);
@@ -313,25 +323,25 @@ fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
 }
 
 /// The first three derivatives of the smoothed course at a length along it, by that length.
-fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Point; 3] {
-    let last = line.at.len() - 1;
-    let (mut low, mut high) = (line.at.partition_point(|s| *s < at - within), line.at.partition_point(|s| *s <= at + within));
+fn derivatives([lengths, weights]: [&[f64]; 2], points: &[Point], at: f64, within: f64) -> [Point; 3] {
+    let last = lengths.len() - 1;
+    let (mut low, mut high) = (lengths.partition_point(|s| *s < at - within), lengths.partition_point(|s| *s <= at + within));
     // The nearest others, where too few points are within reach.
     while high - low < LEAST_POINTS.min(last + 1) {
-        let [before, after] = [low.checked_sub(1).map(|i| at - line.at[i]), (high <= last).then(|| line.at[high] - at)];
+        let [before, after] = [low.checked_sub(1).map(|i| at - lengths[i]), (high <= last).then(|| lengths[high] - at)];
         let is_before = before.is_some_and(|before| after.is_none_or(|after| before < after));
         if is_before { low -= 1 } else { high += 1 }
     }
-    let reach = within.max(1.000_001 * (at - line.at[low]).max(line.at[high - 1] - at));
+    let reach = within.max(1.000_001 * (at - lengths[low]).max(lengths[high - 1] - at));
     let terms = TERMS.min(high - low);
-    let near = line.at[low..high].iter().zip(&line.points[low..high]).zip(&weights[low..high]);
+    let near = lengths[low..high].iter().zip(&points[low..high]).zip(&weights[low..high]);
     let rows = near.map(|((at_point, point), share)| {
         let u = (at_point - at) / reach;
         let mut powers = [1.0; TERMS];
         for k in 1..TERMS {
             powers[k] = powers[k - 1] * u;
         }
-        (share * (1.0 - u * u).max(1e-3).powi(2), powers, sub(*point, line.points[low]))
+        (share * (1.0 - u * u).max(1e-3).powi(2), powers, sub(*point, points[low]))
     });
     let (normal, moments) = normal_equations(rows);
     let solved = solve(normal, moments, terms);

@@ -8,7 +8,7 @@ use super::{Cavities, Foreground, Mask, distances, indices_of, neighbours, row_a
 use willis_core::network::{Centerlines, Fragments, metres, walks::other};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
-use willis_core::support::numbered::grouped;
+use willis_core::support::{numbered::grouped, ties::in_steps};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.5;
@@ -17,6 +17,8 @@ const FARTHEST: f64 = 0.866;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
+/// Shares of lengths are compared in steps of 1/2 to this power: an oblique frame has the voxels of a NIfTI file to seven digits.
+const ROUNDING: u32 = 20;
 /// The weights reach this many standard deviations.
 const REACH: f64 = 3.0;
 
@@ -144,7 +146,8 @@ impl Tracer<'_> {
             *length += line.points.windows(2).map(|pair| distance(pair[0], pair[1])).sum::<f64>();
             *width = line.depths.iter().fold(*width, |width, depth| width.max(2.0 * depth));
         }
-        let is_speck = |(length, width): &(f64, f64)| length < width;
+        // On a lattice both are often equal, but for rounding.
+        let is_speck = |(length, width): &(f64, f64)| in_steps(length / width, ROUNDING) < 1.0;
         let specks: Vec<f64> = measured.iter().filter(|part| is_speck(part)).map(|(length, _)| *length).collect();
         let gone: Vec<bool> = graph.branches.iter().map(|branch| is_speck(&measured[parts.of_node[branch.ends[0]]])).collect();
         graph.remove(&gone);
@@ -158,7 +161,7 @@ impl Tracer<'_> {
         let line = in_direction(self.points(graph, branch), branch.ends[0] == junction);
         let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let own = self.widest(&graph.nodes[tip]);
-        (length + own - self.widest(&graph.nodes[junction])) / (2.0 * own)
+        in_steps((length + own - self.widest(&graph.nodes[junction])) / (2.0 * own), ROUNDING)
     }
 
     fn lines(&self, graph: &Skeleton, radius_from: RadiusFrom) -> Centerlines {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::reader::{TableReader, columns, uncommented};
 use crate::formats::{ensure, input::without_mark};
-use willis_core::error::{Fault, Place};
+use willis_core::error::{Fault, Place, in_few_digits};
 use willis_core::network::units::{cubic_metres_per_second, pascals};
 use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Role, quantity::Dimension};
@@ -150,7 +150,8 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
     let figure = |dimension: Dimension| {
         let value = entry.value.ok_or_else(|| fault(&place, format!("{kind} without a value"), dimension.accepted()))?;
         let unit = entry.unit.as_deref().unwrap_or_default();
-        dimension.convert(value, unit).map_err(|accepted| fault(&place, format!("{kind} value {value}{unit}"), accepted))
+        let found = || format!("{kind} value {}{unit}", in_few_digits(value.to_string()));
+        dimension.convert(value, unit).map_err(|accepted| fault(&place, found(), accepted))
     };
     let (role, condition) = match kind.as_str() {
         "inlet" if entry.value.is_none() => (Role::Inlet, Condition::INLET),
@@ -238,6 +239,7 @@ fn in_order(quantity: Quantity, mut read: Vec<TimedValue>) -> Result<(Waveform, 
     let step = if let [(_, first, _), .., (_, last, _)] = read[..] { (last - first) / (read.len() - 1) as f64 } else { 0.0 };
     let falls: Vec<&[TimedValue]> = read.windows(2).filter(|pair| pair[1].1 < pair[0].1).collect();
     if let Some([(_, before, _), (line, t, _)]) = falls.iter().copied().find(|pair| pair[0].1 - pair[1].1 > step) {
+        let [t, before] = [t, before].map(|t| in_few_digits(t.to_string()));
         return Err(Fault::line(*line, format!("time_s {t} after {before}"), "expected times that never fall"));
     }
     let note = falls.first().map(|pair| {
