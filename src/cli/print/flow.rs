@@ -37,8 +37,9 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
-    let all = &simulated.perturbations;
-    all.iter().for_each(|one| terminal.say("perturbed", words(network, all, one)));
+    for one in &simulated.perturbations {
+        terminal.say("perturbed", words(network, &simulated.perturbations, one));
+    }
     let (b, a) = (before.network_resilience, after.network_resilience);
     terminal.say("resilience", format!("rho_G {} -> {} W/m³{}", brief(b), brief(a), relative(b, a)));
     let (b, a) = (ml_per_min(before.inflow), ml_per_min(after.inflow));
