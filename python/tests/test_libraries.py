@@ -254,6 +254,8 @@ def test_names_of_a_network_are_those_of_its_file(run, tmp_path):
     run.save(tmp_path / "run", dpi=36)
     assert len(said(BROKEN, network)) == 1
     assert len(said(tmp_path / "run", run)) == 1
+    with pytest.raises(willis.WillisError, match="units: no option of label; expected those of candidates"):
+        willis.label(network, units="um")
     # Candidates are built between what a graph observed.
     observed = willis.from_networkx(network.to_networkx(), observed=True)
     network.save(tmp_path / "observed.graphml")

@@ -107,7 +107,7 @@ def label(source: Source | Run | SavedRun, *, model: PathLike | None = None, **o
     :func:`read`, where it is a file, and, but for boundary conditions, of :func:`candidates`.
     """
     with _as_files(source) as (given, reading, folder):
-        made = reading + _label_words(model, options)
+        made = reading + _label_words(model, options, isinstance(source, (str, os.PathLike)))
         if isinstance(source, Network) and "--observed" in source._reading:
             made.append("--observed")
         out = folder / "labelled.graphml"
@@ -236,9 +236,9 @@ def label_cohort(
     return _made("label", _inputs(paths), output, _label_words(model, options))
 
 
-def _label_words(model: PathLike | None, options: dict[str, Any]) -> list[str]:
-    defaults = {**defaults_of(read), **defaults_of(candidates)}
-    _check_known("label", "read and candidates", options, defaults, {"inlets", "outlets", "flows", "bc"})
+def _label_words(model: PathLike | None, options: dict[str, Any], is_file: bool = True) -> list[str]:
+    defaults = {**(defaults_of(read) if is_file else {}), **defaults_of(candidates)}
+    _check_known("label", "read and candidates" if is_file else "candidates", options, defaults, {"inlets", "outlets", "flows", "bc"})
     return words({"model": model, **options}, defaults)
 
 
