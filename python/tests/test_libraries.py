@@ -241,6 +241,28 @@ def test_many_labels_are_those_of_each(tmp_path):
         willis.label(BROKEN, inlets=["1"])
 
 
+@pytest.mark.filterwarnings("ignore::willis.Note")
+def test_names_of_a_network_are_those_of_its_file(run, tmp_path):
+    """What a program holds is named as what the command reads: a file, its points as arrays, a graph of NetworkX, a run."""
+    def names(source, **options):
+        return willis.label(source, **options).names
+
+    def said(*sources):
+        return {(tuple(of["label"]), tuple(of["probability"])) for of in map(names, sources)}
+
+    network = willis.read(BROKEN)
+    run.save(tmp_path / "run", dpi=36)
+    assert len(said(BROKEN, network)) == 1
+    assert len(said(tmp_path / "run", run)) == 1
+    with pytest.raises(willis.WillisError, match="units: no option of label; expected those of candidates"):
+        willis.label(network, units="um")
+    # Candidates are built between what a graph observed.
+    observed = willis.from_networkx(network.to_networkx(), observed=True)
+    network.save(tmp_path / "observed.graphml")
+    by_file = names(tmp_path / "observed.graphml", observed=True)
+    assert same(names(observed)["probability"], by_file["probability"])
+
+
 def test_two_readers_are_compared(run, tmp_path):
     run.save(tmp_path / "run", dpi=36)
     edges, nodes = run.graph.edges, run.graph.nodes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import re
-import tempfile
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -140,11 +139,9 @@ class Review:
 
     def name(self) -> Labelled:
         """Names the vessels of the plausible topology from their geometry."""
-        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        with warnings.catch_warnings():
             warnings.simplefilter("ignore", Note)
-            path = Path(folder, "topology.graphml")
-            self.run.topology.save(path)
-            self.named = label(path)
+            self.named = label(self.run.topology)
         return self.named
 
     def found(self, segment: str) -> float:

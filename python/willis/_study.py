@@ -77,6 +77,13 @@ def _with_folder(source: Any) -> Iterator[Any]:
         yield source.folder if isinstance(source, SavedRun) else source
 
 
+@contextmanager
+def _as_files(source: Any) -> Iterator[tuple[Any, list[str], Path]]:
+    """A network or a run as its file or folder, with how it is read; anything else as it is; and a folder for what is made of it."""
+    with tempfile.TemporaryDirectory() as folder, _with_folder(source) as given:
+        yield (*(file_of(given, Path(folder)) if isinstance(given, Network) else (given, [])), Path(folder))
+
+
 class Labelled:
     """Arteries of a Circle of Willis with their names."""
 
@@ -95,14 +102,17 @@ class Labelled:
         return f"<willis.Labelled: {len(self.landmarks['label'])} landmarks>"
 
 
-def label(source: PathLike, *, model: PathLike | None = None, **options: Any) -> Labelled:
-    """Names the arteries of a file from their geometry alone: what ``willis label`` does; ``options`` are those of :func:`read` and, but for
-    boundary conditions, of :func:`candidates`.
+def label(source: Source | Run | SavedRun, *, model: PathLike | None = None, **options: Any) -> Labelled:
+    """Names the arteries of a network, a file or a run from their geometry alone: what ``willis label`` does; ``options`` are those of
+    :func:`read`, where it is a file, and, but for boundary conditions, of :func:`candidates`.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder, "labelled.graphml")
-        _willis.call(["label", os.fspath(source), "-o", str(out), *_label_words(model, options)], say)
-        return Labelled(Path(folder))
+    with _as_files(source) as (given, reading, folder):
+        made = reading + _label_words(model, options, isinstance(source, (str, os.PathLike)))
+        if isinstance(source, Network) and "--observed" in source._reading:
+            made.append("--observed")
+        out = folder / "labelled.graphml"
+        _willis.call(["label", os.fspath(given), "-o", str(out), *made], say)
+        return Labelled(folder)
 
 
 class Measured:
@@ -153,11 +163,7 @@ def measure(
     ``participants`` is a table with a row for each subject, ``compare`` the column of it that makes two groups, which then are compared in all
     ``measures``, columns of ``subjects``. ``readers`` are the decisions of two readers on the connections of runs, with ``{}`` for the input.
     """
-    with tempfile.TemporaryDirectory() as temporary, _with_folder(source) as given:
-        folder = Path(temporary)
-        reading: list[str] = []
-        if isinstance(given, Network):
-            given, reading = file_of(given, folder)
+    with _as_files(source) as (given, reading, folder):
         made = words(
             {
                 "smoothing": smoothing,
@@ -230,9 +236,9 @@ def label_cohort(
     return _made("label", _inputs(paths), output, _label_words(model, options))
 
 
-def _label_words(model: PathLike | None, options: dict[str, Any]) -> list[str]:
-    defaults = {**defaults_of(read), **defaults_of(candidates)}
-    _check_known("label", "read and candidates", options, defaults, {"inlets", "outlets", "flows", "bc"})
+def _label_words(model: PathLike | None, options: dict[str, Any], is_file: bool = True) -> list[str]:
+    defaults = {**(defaults_of(read) if is_file else {}), **defaults_of(candidates)}
+    _check_known("label", "read and candidates" if is_file else "candidates", options, defaults, {"inlets", "outlets", "flows", "bc"})
     return words({"model": model, **options}, defaults)
 
 

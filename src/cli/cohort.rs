@@ -332,7 +332,7 @@ pub fn make_each<T: Send>(
         }
     };
     // What is said of a subject stays together when one is done after the other.
-    let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
+    let threads = if terminal.verbose { 1 } else { rayon::current_num_threads().min(open.len()) };
     thread::scope(|scope| {
         for _ in 1..threads {
             // Without another thread this one does it all.

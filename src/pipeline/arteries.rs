@@ -129,17 +129,11 @@ impl FoundArteries {
         Ok(Posterior::informed(&self.circle, network, topologies, Some((&presence, named.not_seen()))))
     }
 
-    /// The diameter of each segment of `RING` in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its
-    /// vessels.
-    fn diameters(&self, network: &Network, kept: &[bool]) -> [Option<f64>; 7] {
+    /// The figures of a `variant` in the topology of the vessels `kept`; diameters are by name where the arteries were named, else by vessel.
+    pub fn circle_figures(&self, network: &Network, variant: &Variant, kept: &[bool], known: &PhenotypeOptions) -> CircleFigures {
         let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
         let named = self.named.as_ref().map_or([None; 7], |named| named.diameters);
-        std::array::from_fn(|s| named[s].or(seen[s]))
-    }
-
-    /// The figures of a `variant` in the topology of the vessels `kept`.
-    pub fn circle_figures(&self, network: &Network, variant: &Variant, kept: &[bool], known: &PhenotypeOptions) -> CircleFigures {
-        let diameters = self.diameters(network, kept);
+        let diameters = std::array::from_fn(|s| named[s].or(seen[s]));
         let thin = hypoplastic(&diameters, known.hypoplastic.unwrap_or(LEAST_DIAMETER));
         CircleFigures::of(variant, &diameters, thin)
     }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Input, SourceFile, models::Contacts, require};
 use crate::{Error, Network, Result};
 use willis_core::decision::{BESIDE_ACCEPTED, knows_fragments};
+use willis_core::flow::boundary_conditions::find_again;
 use willis_core::network::{Evidence, GraphEditor, Origin, Vessel, fragments};
 use willis_core::{error::Fault, network::units::millimetres, support::geometry::distance};
 use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
@@ -217,8 +218,8 @@ impl Decidable {
         Ok(self)
     }
 
-    /// The same with decisions. A rejected connection has A = 0, so from then on the vessels' own priors count, which are set to 1. Pairings
-    /// follow vessels that an edit divides.
+    /// The same with decisions, as one after the other leaves it. A rejected connection has A = 0, so from then on the vessels' own priors count, which
+    /// are set to 1. Pairings follow vessels that an edit divides; inlets and outlets that an earlier run found, the ends that are left.
     ///
     /// # Errors
     ///
@@ -231,20 +232,20 @@ impl Decidable {
             (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
         }
         apply(&mut graph, made)?;
-        if !edits.is_empty() {
+        for GraphEdit { edit, line, .. } in edits {
             let mut editor = GraphEditor::new(graph);
-            for GraphEdit { edit, line, .. } in edits {
-                editor.edit(edit).map_err(|why| match source {
-                    Some(source) if *line > 0 => Fault::line(*line, edit.to_string(), why).in_file(&source.path),
-                    _ => Error::parameter("decisions", edit.to_string(), why),
-                })?;
-            }
-            let (joined, divided) = (editor.joined.clone(), editor.divided.clone());
+            editor.edit(edit).map_err(|why| match source {
+                Some(source) if *line > 0 => Fault::line(*line, edit.to_string(), why).in_file(&source.path),
+                _ => Error::parameter("decisions", edit.to_string(), why),
+            })?;
+            let accept = |edge: &usize| ConnectionDecision { edge: *edge, accepted: Some(true), ..Default::default() };
+            let (joined, divided): (Vec<_>, _) =
+                (editor.joined.iter().map(accept).collect(), std::mem::take(&mut editor.divided));
             graph = editor.finish();
-            let joins = joined.into_iter().map(|edge| ConnectionDecision { edge, accepted: Some(true), ..Default::default() });
-            apply(&mut graph, &joins.collect::<Vec<ConnectionDecision>>())?;
+            apply(&mut graph, &joined)?;
             contacts.pairings.iter_mut().for_each(|pairings| pairings.follow(&graph, &divided));
         }
+        let graph = if any { find_again(graph) } else { graph };
         Ok(Self { graph, contacts, uniform_prior: uniform_prior && !any })
     }
 }

@@ -351,6 +351,56 @@ fn edits_are_made_kept_and_replayed_to_the_same_bytes() {
     assert!(said.contains("decisions.csv:2: delete 900 900 900"), "{said}");
 }
 
+/// A vessel that was joined and then deleted is none, and what two lists say one after the other one list says. The outlets of both are at the ends
+/// that are left, and side by side let 700 mL/min pass at 100 mmHg.
+#[test]
+fn one_list_is_two_lists_one_after_the_other() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "plain", &[]);
+    let (edges, nodes) = (table(&here.join("plain/edges.csv")), table(&here.join("plain/nodes.csv")));
+    let figure = |row: &Row, name: &str| row[name].parse::<f64>().expect(name);
+    let ends = |row: &Row| ["node_a", "node_b"].map(|name| row[name].parse::<usize>().expect("a row"));
+    let place = |node: usize| ["x_mm", "y_mm", "z_mm"].map(|axis| figure(&nodes[node], axis));
+    let text = |at: [f64; 3]| at.map(|x| x.to_string()).join(" ");
+    let observed = || edges.iter().filter(|row| row["origin"] == "observed").map(ends);
+    let degree = |node: usize| observed().flatten().filter(|end| *end == node).count();
+    // The last vessel of an artery, before which no other branches off.
+    let last = observed().flat_map(|[a, b]| [[a, b], [b, a]]).find(|ends| ends.map(degree) == [1, 2]);
+    let [tip, before] = last.expect("one");
+    let far = |row: &&Row| row["origin"] == "candidate" && figure(row, "length_mm") > 4.0 && !ends(row).contains(&tip);
+    let [a, b] = ends(edges.iter().find(far).expect("one")).map(place);
+    let middle = [0, 1, 2].map(|axis| f64::midpoint(a[axis], b[axis]));
+    let edits =
+        [format!("join,{} + {}", text(a), text(b)), format!("delete,{}", text(middle)), format!("delete,{}", text(place(tip)))];
+    for (name, edits) in [("all.csv", &edits[..]), ("first.csv", &edits[..1]), ("others.csv", &edits[1..])] {
+        let rows: Vec<String> = edits.iter().map(|edit| format!(",,,{edit}\n")).collect();
+        fs::write(here.join(name), format!("edge,id_a,id_b,decision,places\n{}", rows.concat())).expect("written");
+    }
+    infer(here, "one", &["--decisions", "all.csv"]);
+    infer(here, "begun", &["--decisions", "first.csv"]);
+    let words = ["infer", "begun/candidates.graphml", "-o", "two", "-n", "128", "-q", "--decisions", "others.csv"];
+    assert!(willis(here, &words).status.success());
+    let [one, two] = ["one", "two"].map(|run| table(&here.join(run).join("edges.csv")));
+    let joined = &one[edges.len()];
+    assert_eq!((one.len(), &*joined["probability"], &*joined["kept"]), (edges.len() + 1, "0", "0"));
+    let same = |a: &Row, b: &Row| {
+        let close = (figure(a, "likelihood") - figure(b, "likelihood")).abs() <= 1e-6 * figure(a, "likelihood");
+        close && ["prior", "probability", "kept", "frequency"].iter().all(|name| a[*name] == b[*name])
+    };
+    assert!(one.len() == two.len() && one.iter().zip(&two).all(|(a, b)| same(a, b)));
+    for run in ["one", "two"] {
+        let record = fs::read(here.join(run).join("run.json")).expect("a record");
+        let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
+        let conditions = record["boundary_conditions"].as_array().expect("a list");
+        let has = |node: usize| conditions.iter().any(|condition| condition["node"] == node);
+        assert_eq!([tip, before].map(has), [false, true], "{run}");
+        let resistance = |condition: &serde_json::Value| condition["resistance_mmHg_s_per_mL"].as_f64();
+        let conducts: f64 = conditions.iter().filter_map(resistance).map(f64::recip).sum();
+        assert!((conducts * 60.0 * 100.0 - 700.0).abs() < 1e-6, "{run}: {conducts}");
+    }
+}
+
 /// Pairs of answers by a table of counts.
 fn answers(table: &[&[usize]]) -> Vec<[usize; 2]> {
     let cells = table.iter().enumerate().flat_map(|(a, row)| row.iter().enumerate().map(move |(b, n)| (a, b, *n)));

@@ -189,6 +189,8 @@ fn a_run_says_over_what_length_a_vessel_is_narrowed() {
     let here = folder();
     let said = run(here.path(), &["--stenosis", "wide=70%"]);
     assert!(said.contains("wide: diameter narrowed by 70.0 % over all of its 20.0 mm (@mid:10mm narrows a stretch)"), "{said}");
+    let said = run(here.path(), &["--stenosis", "wide=70%", "--tortuosity", "wide=1.5"]);
+    assert!(said.contains("over all of its 30.0 mm"), "{said}");
     let said = run(here.path(), &["--stenosis", "wide=70%@mid:10mm"]);
     assert!(said.contains("wide: diameter narrowed by 70.0 % over 10.0 mm") && !said.contains("all of its"), "{said}");
 }

@@ -3,7 +3,7 @@
 use crate::networks::{MMHG, pressure};
 use crate::vessels::{network, tube};
 use willis::internals::flow::boundary_conditions::FreeEnds;
-use willis::internals::flow::boundary_conditions::{Total, stated};
+use willis::internals::flow::boundary_conditions::{Total, find_again, stated};
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
 use willis::internals::network::{Condition, ConditionFrom, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;
@@ -443,4 +443,31 @@ fn a_stated_role_stands_and_inner_is_none() {
         given.iter().map(|g| (g.node, g.role)).collect::<Vec<_>>(),
         [(0, Role::Outlet), (1, Role::Inlet), (2, Role::Inlet)]
     );
+}
+
+/// By hand: a line of four equal vessels, whose inlet and outlet of 2 Pa s/m³ were found. Without the second vessel there are two more ends, and each
+/// of the three outlets conducts a third of what one did. Without the first one, blood comes in where that ended. Without any decision on them the
+/// conditions stay, and so does a pressure at an inlet whose end does.
+#[test]
+fn what_was_found_is_found_again_where_the_ends_are_others() {
+    let line = network(5, (0..4).map(|at| ([at, at + 1], tube(10.0, 1.0))));
+    let found = Boundary::resolve(&line, &[], FoundOutlets::Murray(Total::Resistance(2.0))).expect("two ends");
+    let mut file = found.stated_in(line);
+    file.node_mut(0).condition = Some(pressure(90.0));
+    let told = |row: Option<usize>| {
+        let mut decided = file.clone();
+        if let Some(row) = row {
+            (decided.vessel_mut(row).origin, decided.vessel_mut(row).prior) = (Origin::Candidate, 0.0);
+        }
+        let boundary = resolve(&find_again(decided), &[]);
+        let of = |node: usize| match boundary.condition(node).expect("a condition") {
+            Condition::Pressure(p) => (p / MMHG).round(),
+            Condition::Resistance { resistance, .. } => resistance.round(),
+            Condition::Flow(flow) => flow,
+        };
+        [&boundary.found_inlets, &boundary.found_outlets].map(|nodes| nodes.iter().map(|n| (*n, of(*n))).collect::<Vec<_>>())
+    };
+    assert_eq!(told(None), [vec![(0, 90.0)], vec![(4, 2.0)]]);
+    assert_eq!(told(Some(1)), [vec![(0, 90.0)], vec![(1, 6.0), (2, 6.0), (4, 6.0)]]);
+    assert_eq!(told(Some(0)), [vec![(1, 100.0)], vec![(4, 2.0)]]);
 }

@@ -37,7 +37,9 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
-    simulated.perturbations.iter().for_each(|one| terminal.say("perturbed", words(network, one)));
+    for one in &simulated.perturbations {
+        terminal.say("perturbed", words(network, &simulated.perturbations, one));
+    }
     let (b, a) = (before.network_resilience, after.network_resilience);
     terminal.say("resilience", format!("rho_G {} -> {} W/m³{}", brief(b), brief(a), relative(b, a)));
     let (b, a) = (ml_per_min(before.inflow), ml_per_min(after.inflow));
@@ -157,14 +159,17 @@ fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Puls
     }
 }
 
-fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> String {
+fn words(network: &Network, all: &[Perturbation], Perturbation { vessel, change }: &Perturbation) -> String {
     let what = match change {
         Change::Occlusion => "occluded".to_owned(),
         Change::Tortuosity(factor) => format!("lengthened to {factor} times its length"),
         Change::Stenosis(Stenosis { open_diameter, stretch, .. }) => {
             let mm = |length: f64| format!("{} mm", brief(millimetres(length)));
-            let all = || format!("all of its {} (@mid:10mm narrows a stretch)", mm(network.vessel(*vessel).length));
-            let over = format!(" over {}", stretch.map_or_else(all, mm));
+            let longer = |one: &Perturbation| if let Change::Tortuosity(factor) = one.change { factor } else { 1.0 };
+            let length =
+                all.iter().filter(|one| one.vessel == *vessel).map(longer).product::<f64>() * network.vessel(*vessel).length;
+            let whole = || format!("all of its {} (@mid:10mm narrows a stretch)", mm(length));
+            let over = format!(" over {}", stretch.map_or_else(whole, mm));
             format!("diameter narrowed by {} %{over}", brief(100.0 * (1.0 - open_diameter)))
         }
     };

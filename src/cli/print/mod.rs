@@ -20,7 +20,8 @@ use crate::{
 #[derive(Debug, Clone, Copy)]
 pub struct TextTerminal {
     quiet: bool,
-    verbose: bool,
+    /// Whether a person asked for more.
+    pub verbose: bool,
     /// Whether this is the terminal of one subject among many.
     of_many: bool,
 }
@@ -65,11 +66,6 @@ impl TextTerminal {
     /// After how many signals the work stops.
     fn stops(self) -> u8 {
         if self.of_many { 2 } else { 1 }
-    }
-
-    /// Whether a person asked for more.
-    pub fn is_verbose(self) -> bool {
-        self.verbose
     }
 
     /// Prints a fact under a heading.

@@ -183,11 +183,7 @@ impl Boundary {
         };
         let conducts = |counts: &dyn Fn(usize) -> bool| -> f64 {
             let outlets = self.conditions.iter().filter(|(node, _)| self.roles[*node] == Role::Outlet && counts(*node));
-            let terminal = |(_, condition): &(usize, Condition)| match condition {
-                Condition::Resistance { resistance, .. } => 1.0 / resistance,
-                _ => 0.0,
-            };
-            outlets.map(terminal).sum()
+            outlets.filter_map(|(_, condition)| condition.conductance()).sum()
         };
         let scale = if found_outlets.len() < self.found_outlets.len() {
             conducts(&|node| stays(node) && fed[node]) / conducts(&|_| true)
@@ -289,6 +285,33 @@ pub fn stated(network: &Network) -> Vec<Given> {
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()
+}
+
+/// A network that was decided on, with the conditions that an earlier run found in it found again where its free ends are others by now: inlets stay where
+/// their ends are free, and outlets conduct as much side by side as they did.
+#[must_use]
+pub fn find_again(network: Network) -> Network {
+    let found = || network.nodes().enumerate().filter(|(_, node)| node.condition_from != ConditionFrom::Statement);
+    if found().next().is_none() {
+        return network;
+    }
+    let conducts: f64 = found().filter_map(|(_, node)| node.condition?.conductance()).sum();
+    let outlets = if conducts > 0.0 { FoundOutlets::Murray(Total::Resistance(1.0 / conducts)) } else { FoundOutlets::Ground };
+    let mut inlets: Vec<usize> = found().filter(|(_, node)| node.role == Some(Role::Inlet)).map(|(row, _)| row).collect();
+    let ends = FreeEnds::of(&network, &vec![Role::Inner; network.node_count()]).inlets(&inlets, false);
+    inlets.retain(|row| ends.contains(row));
+    let mut left = network.clone();
+    for (row, node) in found().filter(|(row, _)| !inlets.contains(row)) {
+        let role = node.role.filter(|_| node.condition_from == ConditionFrom::Landmark);
+        let node = left.node_mut(row);
+        (node.role, node.condition, node.condition_from) = (role, None, ConditionFrom::Statement);
+    }
+    let was = || network.nodes().map(|node| node.role.unwrap_or(Role::Inner));
+    match Boundary::resolve(&left, &stated(&left), outlets) {
+        Ok(boundary) if was().eq(boundary.roles.iter().copied()) => network,
+        Ok(boundary) => boundary.stated_in(left),
+        Err(_) => left,
+    }
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {

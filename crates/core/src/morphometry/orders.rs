@@ -81,16 +81,12 @@ pub fn generations(network: &Network, ways: &InletWays) -> (Vec<Option<usize>>, 
         let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
         for row in &ways.leaving[*node] {
             generation[*row] = Some(here);
-            probability[*row] = probability_within(network, &ways.lines[*row]) * before.map_or(1.0, |row| probability[row]);
+            let open = ways.lines[*row].pieces.iter().map(|row| network.vessel(*row)).filter(|vessel| !vessel.certain);
+            let within: f64 = open.filter_map(Vessel::evidence).map(|evidence| evidence.probability).product();
+            probability[*row] = within * before.map_or(1.0, |row| probability[row]);
         }
     }
     (generation, probability)
-}
-
-/// The product of the probabilities of the connections within a line.
-fn probability_within(network: &Network, line: &VesselLine) -> f64 {
-    let vessels = line.pieces.iter().map(|row| network.vessel(*row)).filter(|vessel| !vessel.certain);
-    vessels.filter_map(Vessel::evidence).map(|evidence| evidence.probability).product()
 }
 
 /// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and

@@ -227,6 +227,11 @@ impl Condition {
         if let Self::Pressure(p) = self { Some(*p) } else { None }
     }
 
+    /// 1/R of a terminal resistance, m³/(Pa s).
+    pub fn conductance(&self) -> Option<f64> {
+        if let Self::Resistance { resistance, .. } = self { Some(1.0 / resistance) } else { None }
+    }
+
     /// The condition after it was written to a file in mmHg and mL and read again.
     #[must_use]
     pub fn as_stored(self) -> Self {
