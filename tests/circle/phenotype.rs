@@ -302,7 +302,9 @@ fn landmarks_follow_their_nodes_to_other_rows() {
         Circle::at(&whole, &marked(&landmarks(&[&ENDS[..], &meets].concat())).expect("landmarks")).expect("a circle").0;
     let node_now: Vec<usize> = (0..NODES.len()).rev().collect();
     let mut turned = Network::new();
-    node_now.iter().for_each(|row| _ = turned.add_node(whole.node(*row).clone()));
+    for row in &node_now {
+        turned.add_node(whole.node(*row).clone());
+    }
     for (ends, vessel) in whole.vessels() {
         turned.add_vessel(ends.map(|node| node_now[node]), vessel.clone());
     }
