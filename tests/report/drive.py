@@ -25,7 +25,7 @@ from drive_surface import check_cube, check_slices, check_surface
 from drive_words import check_classified, check_coarse, check_figures, check_names, check_print, check_simulated, check_walk
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
---force-prefers-reduced-motion --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
+--force-prefers-reduced-motion --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,600""".split()
 
 
 def browser(chromium, profile, *flags):

@@ -65,11 +65,11 @@ fn pages_work_in_chromium() {
     for (out, arguments) in runs {
         run(here.path(), &[arguments, &["-o", out, "-q"]].concat());
     }
-    // Two browsers at once: each waits for its frames half of the time.
+    // Four browsers at once: each waits for its frames most of the time.
     let (here, tools) = (here.path(), [python.as_str(), &chromium]);
     std::thread::scope(|scope| {
-        for half in 0..2 {
-            let folders: Vec<&str> = runs.iter().map(|(out, _)| *out).skip(half).step_by(2).collect();
+        for part in 0..4 {
+            let folders: Vec<&str> = runs.iter().map(|(out, _)| *out).skip(part).step_by(4).collect();
             scope.spawn(move || drive("drive.py", tools, here, &folders));
         }
     });
