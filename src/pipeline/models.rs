@@ -5,7 +5,7 @@ use std::{fmt, path::Path, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Follow, ModelSource, SourceFile, Step, of_word, prepared::EarlyKnowledge, require, source_file::ending};
+use super::{Follow, ModelSource, SourceFile, Step, of_word, require, source_file::ending};
 use crate::{CandidateOptions, Error, Keep, Network, ReadOptions, Result};
 use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
 use willis_core::{flow::Given, network::Origin, network::Role, network::centerlines::Centerlines};
@@ -298,11 +298,11 @@ impl Cuts {
     }
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
-    /// them what to tell a person where P of contacts may be off. What was known early is then known of the opened graph.
+    /// them what to tell a person where P of contacts may be off. `moved` hears the rows that nodes have now.
     pub fn open(
         &self,
         graph: Network,
-        early: &mut EarlyKnowledge,
+        moved: impl FnOnce(&[usize]),
         scene: Option<&Scene>,
         follow: &mut dyn Follow,
     ) -> (Network, Contacts, Option<String>) {
@@ -312,7 +312,7 @@ impl Cuts {
             follow.step(Step::CutsSuggested { suggested: suggested.len() });
             return (graph, Contacts { pairings: Vec::new(), suggested }, note);
         }
-        early.follow(&opened.node_now);
+        moved(&opened.node_now);
         // Whether contacts are judged by the image too.
         let with_image = self.record.mask && self.model.image.is_some() && scene.is_some();
         follow.step(Step::Cut { graph: &opened.graph, with_mask: self.record.mask, with_image });

@@ -56,7 +56,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     remarks.into_iter().flatten().for_each(|note| notes.say(note));
     let mut early = EarlyKnowledge { own_nodes, given, inlets_by_labels, arteries: early };
     let (graph, contacts, crowded) = match &loaded.cuts {
-        Some(cuts) => cuts.open(graph, &mut early, scene.as_ref(), notes.follow),
+        Some(cuts) => cuts.open(graph, |node_now| early.follow(node_now), scene.as_ref(), notes.follow),
         None => (graph, Contacts::default(), None),
     };
     let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() }.with_marks()?;
