@@ -12,7 +12,7 @@ use willis_core::{flow::Given, network::Origin, network::Role, network::centerli
 use willis_core::{support::geometry::Point, support::geometry::bounds, support::suggestions::did_you_mean};
 use willis_io::formats::{read_mask, read_prior_csv, read_prior_npy};
 use willis_io::masks::{Field, Foreground, Scene, Unseen, View};
-use willis_models::candidates::{Looked, build, build_joins, build_with_evidence};
+use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
 use willis_models::circle_of_willis::split_where_labels_change;
 use willis_models::contacts::split::{SuggestedCut, suggested_cuts};
 use willis_models::{
@@ -150,6 +150,11 @@ impl LoadedPrior {
     /// none of a model that does not look at images.
     pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
         if let PriorModel::Joins(model) = &self.model { model.image.as_ref().map(|image| image.noise) } else { None }
+    }
+
+    /// [`CandidateOptions::k`] where none is given.
+    pub(crate) fn usual_k(&self) -> usize {
+        if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
     /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, vessels are divided where the names

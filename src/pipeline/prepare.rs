@@ -12,7 +12,7 @@ use super::{
 use crate::{Appearance, CandidateOptions, Error, Network, Result};
 use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};
 use willis_io::{formats::Format, masks::View};
-use willis_models::{candidates::NEAREST, candidates::search::SearchOptions, naming::nothing_named};
+use willis_models::naming::nothing_named;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -135,8 +135,7 @@ impl Loaded {
         let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
         require(is_fragments || !prior.is_evidence(), "prior", chosen.to_string(), accepted)?;
         let (image, view) = ImageRecord::load(options, &prior, input)?.unzip();
-        let usual = if prior.is_evidence() { SearchOptions::default().branches } else { NEAREST };
-        let k = options.candidates.k.or(Some(usual));
+        let k = options.candidates.k.or(Some(prior.usual_k()));
         let building = CandidateOptions { k, radius_rule: input.options.radius_rule, ..options.candidates.clone() };
         let decisions = options.decisions.as_deref().map(DecisionList::read).transpose()?;
         Ok(Self { prior, building: is_fragments.then_some(building), cuts, notes, image, view, decisions })

@@ -245,6 +245,11 @@ impl Keep {
         }
     }
 
+    /// Whether candidates are taken one by one, the most probable first.
+    pub fn is_one_by_one(self) -> bool {
+        matches!(self.followed(), Some(FollowedRule::BestFirst { .. }))
+    }
+
     /// Whether the threshold is given, and not itself made of the likelihoods.
     pub fn is_fixed(self) -> bool {
         self.asks_evidence() || threshold(self, &likelihood::Likelihood::default()).is_some()

@@ -9,7 +9,9 @@ use std::f64::consts::PI;
 use crate::network::walks::{Walk, runs, vessels_at};
 use crate::network::{Network, Vessel};
 use crate::support::normal_equations::{normal_equations, solve};
-use crate::support::{Point, arc_lengths::in_direction, cross, distance, dot, lerp, norm, norm_squared, sub, unit};
+use crate::support::{
+    Point, arc_lengths::arc_lengths, arc_lengths::in_direction, cross, distance, dot, lerp, norm, norm_squared, sub, unit,
+};
 
 /// A vessel between two junctions or ends, as a line of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -286,17 +288,12 @@ fn halves(at: &[f64]) -> Vec<[f64; 2]> {
 
 /// How a smoothed course bends: means of the curvature, of the size of the torsion, and of the angles metric; and the number of inflections.
 fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
-    let mut course: Vec<(f64, Point)> = Vec::new();
-    for point in &line.points {
-        let (at, step) = course.last().map_or((0.0, f64::INFINITY), |(at, last)| (*at, distance(*last, *point)));
-        if step > SAME_PLACE * within {
-            course.push((if course.is_empty() { 0.0 } else { at + step }, *point));
-        }
-    }
-    let (at, points): (Vec<f64>, Vec<Point>) = course.into_iter().unzip();
+    let mut points: Vec<Point> = line.points.clone();
+    points.dedup_by(|next, last| distance(*last, *next) <= SAME_PLACE * within);
     if points.len() < 2 || !(line.length > 0.0 && within > 0.0) {
         return ([f64::NAN; 3], 0);
     }
+    let at = arc_lengths(points.iter().copied());
     let length = at[at.len() - 1];
     let weights: Vec<f64> = halves(&at).iter().map(|[before, behind]| before + behind).collect();
     let stations = ((STATIONS * length / within).ceil() as usize).clamp(2, STATIONS as usize * points.len() + 2);

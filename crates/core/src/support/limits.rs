@@ -24,8 +24,13 @@ pub fn fits_memory(name: &str, value: impl Display, needed: f64, most: impl Fn(f
     require(needed <= left, name, value, accepted)
 }
 
-/// A soft limit of the process, as `/proc/self/limits` names it; none where it is unlimited.
-pub fn limit(name: &str) -> Option<u64> {
+/// The largest file that this process may write, bytes (`ulimit -f`).
+pub fn file_size() -> Option<u64> {
+    limit("Max file size")
+}
+
+/// A soft limit of the process; none where it is unlimited.
+fn limit(name: &str) -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     limits.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
 }

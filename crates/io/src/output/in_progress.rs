@@ -259,7 +259,7 @@ const RUN: u64 = 1 << 20;
 ///
 /// The limit of the shell is lower.
 pub fn check_file_size(target: &Path) -> Result<()> {
-    match willis_core::support::limits::limit("Max file size") {
+    match willis_core::support::limits::file_size() {
         Some(most) if most < RUN => {
             let accepted = format!("files may have {most} bytes at most here; raise the limit (ulimit -f) to {RUN} at least");
             Err(Error::parameter("output", target.display(), accepted))

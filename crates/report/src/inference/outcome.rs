@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::page::{ImagePlace, Segmentation};
 use crate::run_record::{CONDITIONS, Provenance, RunRecord, conditions, outlets_found};
-use willis_core::decision::{Decision, ExpectedErrors, FollowedRule, Keep, Topology, UNDECIDED_BAND, UNDECIDED_Z};
+use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres};
 use willis_core::network::{Merged, Network, Origin, Role, dependents, fragments, if_parted, merge, weakest_of_loops};
@@ -361,7 +361,7 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
     let wrong = |row: usize| {
         network.vessel(row).evidence().map_or(0.0, |e| if answer.kept[row] { 1.0 - e.probability } else { e.probability })
     };
-    let one_by_one = matches!(outcome.rule.followed(), Some(FollowedRule::BestFirst { .. }));
+    let one_by_one = outcome.rule.is_one_by_one();
     let costs =
         |row: &usize| one_by_one && answer.kept[*row] && outcome.result.uncertain[*row] && wrong(*row) * hangs[*row] > WORTH;
     let mut asked = loose_parts(outcome);
