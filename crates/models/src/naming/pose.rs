@@ -1,10 +1,10 @@
-//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names. Of a whole brain
-//! first the part that may be the circle.
+//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names. In a whole brain
+//! it is looked for where thick vessels are dense, and what counts is how much of the atlas is seen.
 
 use faer::{Mat, Side, linalg::solvers::Solve};
 
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times, transposed};
-use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
+use super::atlas::{Atlas, AtlasState, BIN, NOWHERE, STATES, all_states, arteries};
 use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
 use super::nodes::Nodes;
 use willis_core::support::geometry::{Point, distance, dot, norm, sub, weighted_centroid};
@@ -57,13 +57,19 @@ impl Pulls {
 pub struct Scored {
     /// The pose.
     pub pose: Pose,
-    /// Its score: the log ratio to no artery of the circle, summed over the length, with the prior.
+    /// Its score: the log ratio to no artery of the circle, summed over the length, with the prior; of a whole brain
+    /// [`Search::coverage`].
     pub score: f64,
 }
 
 impl Search<'_> {
-    /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
+    /// The best poses, the best first.
     pub fn everywhere(&self) -> Vec<Scored> {
+        self.refine(&self.starts(), &[2.0, 1.0])
+    }
+
+    /// The best poses by each node by itself, the best first.
+    fn starts(&self) -> Vec<Pose> {
         let (subset, all) = (self.subset(), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
         let coarse: Vec<AtlasState> =
@@ -109,7 +115,7 @@ impl Search<'_> {
             Scored { pose, score: fit + 3.0 * pose.log_scale }
         };
         let refined = Self::distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
-        self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
+        refined.into_iter().map(|scored| scored.pose).collect()
     }
 
     /// The best poses around the first few that are nearly right, the best first.
@@ -149,12 +155,33 @@ impl Search<'_> {
         found
     }
 
+    /// The names at a pose, and the log likelihoods that they are of: nodes x states.
+    fn names(&self, pose: &Pose) -> [Vec<f64>; 2] {
+        let e = self.emission(&self.fit(pose, &self.atlas.position), ALL_PARTS);
+        let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
+        [self.settled(&tempered, 1).0.states, e]
+    }
+
+    /// The log ratio of all names to no artery of the circle, over the length (mm) of the atlas that is seen. Each state counts for its own
+    /// length at most: any part of a brain that is full of vessels fits well by their sum.
+    fn coverage(&self, pose: &Pose) -> f64 {
+        let [names, e] = self.names(pose);
+        let (mut length, mut fit) = ([0.0; STATES], [0.0; STATES]);
+        for (n, (names, e)) in names.chunks(STATES).zip(e.chunks(STATES)).enumerate() {
+            for state in arteries() {
+                let seen = names[state] * self.length(n);
+                length[state] += seen;
+                fit[state] += seen * (e[state] - self.atlas.log_other);
+            }
+        }
+        let scale = pose.log_scale.exp();
+        arteries().map(|state| fit[state] * scale.min(BIN / length[state].max(f64::MIN_POSITIVE))).sum()
+    }
+
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = self.emission(&self.fit(pose, &self.atlas.position), ALL_PARTS);
-        let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
-        let names = self.settled(&tempered, 1).0.states;
+        let [names, e] = self.names(pose);
         let mut score = 0.0;
         for (n, (names, e)) in names.chunks(STATES).zip(e.chunks(STATES)).enumerate() {
             let fit: f64 = names.iter().zip(e).map(|(g, e)| g * (e - self.atlas.log_other)).sum();
@@ -310,12 +337,22 @@ fn solve(hessian: &[[f64; 7]; 7], gradient: &[f64; 7]) -> Option<[f64; 7]> {
 const WHOLE_BRAIN: f64 = 1500.0;
 /// Vessels in this share of the length are thick.
 const THICK: f64 = 0.90;
-/// The circle lies within this distance (mm) of the middle of the thick vessels.
+/// The pose is searched around so many places where they are densest: most length within a distance, and so far apart (mm). So many places
+/// are asked.
+const PLACES: usize = 3;
+const DENSE: f64 = 30.0;
+const APART: f64 = 25.0;
+const ASKED: usize = 500;
+/// The circle lies within this distance (mm) of such a place.
 const REACH: f64 = 45.0;
 /// Of these, vessels above this share of the length serve the search of the pose.
 const SEARCHED: f64 = 0.55;
 /// Pieces of less length (mm) do not serve it.
 const LEAST_SEARCHED: f64 = 8.0;
+/// Poses that are refined on what lies on the atlas there.
+const SETTLED: usize = 3;
+/// Widths (mm) at which they are, with what lies on the atlas taken anew.
+const SETTLED_WIDTHS: [[f64; 4]; 3] = [[3.0, 2.0, 1.0, 0.0], [0.0; 4], [0.0; 4]];
 /// What lies within so many standard deviations of a state is named, in pieces of at least so much (mm).
 const ON_ATLAS: f64 = 2.5;
 const LEAST_NAMED: f64 = 6.0;
@@ -348,7 +385,7 @@ pub fn core_at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
 /// The core of a network and its poses, the best first.
 pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     if nodes.length() <= WHOLE_BRAIN {
-        let poses = search(&nodes, atlas);
+        let poses = with_search(&nodes, atlas, nodes.median_log_radius(|_| 1.0), |search| search.everywhere());
         return (!poses.is_empty()).then_some(((nodes, None), poses));
     }
     let radius = branch_radii(&nodes);
@@ -358,36 +395,82 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     };
     let thick = length_below(&|_| true, THICK);
     let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
-    let middle = [0, 1, 2].map(|k| {
-        let mut x: Vec<f64> = of_thick.iter().map(|n| nodes.at[*n][k]).collect();
-        x.sort_by(f64::total_cmp);
-        x.get(x.len() / 2).copied().unwrap_or_default()
-    });
-    let near = |n: usize| distance(nodes.at[n], middle) < REACH;
-    let least = length_below(&near, SEARCHED);
-    let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
-    if searched.is_empty() {
-        return None;
+    let mut poses: Vec<Settled> = Vec::new();
+    for place in densest(&nodes, &of_thick) {
+        let near = |n: usize| distance(nodes.at[n], place) < REACH;
+        let least = length_below(&near, SEARCHED);
+        let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
+        if !searched.is_empty() {
+            let median = searched.median_log_radius(|_| 1.0);
+            let starts = with_search(&searched, atlas, median, |search| search.starts());
+            poses.extend(starts.into_iter().filter_map(|pose| settled(&nodes, atlas, pose, median, &[])));
+        }
     }
-    let median = searched.median_log_radius(|_| 1.0);
-    let mut pose = search(&searched, atlas).first()?.pose;
-    let named = on_the_atlas(&nodes, atlas, &pose);
+    let by_score = |a: &Settled, b: &Settled| b.scored.score.total_cmp(&a.scored.score);
+    poses.sort_by(by_score);
+    let centre = |pose: &Pose| pose.undo(atlas.data.centroid);
+    let mut best: Vec<Settled> = Vec::new();
+    for one in poses {
+        let pose = one.scored.pose;
+        let is_other =
+            |b: &Settled| angle_between(&pose, &b.scored.pose) > 0.15 || distance(centre(&pose), centre(&b.scored.pose)) > 4.0;
+        if best.len() < SETTLED && best.iter().all(is_other) {
+            best.push(one);
+        }
+    }
+    let again = |from: Settled| {
+        SETTLED_WIDTHS.iter().try_fold(from, |from, widths| settled(&nodes, atlas, from.scored.pose, from.median, widths))
+    };
+    let mut best: Vec<Settled> = best.into_iter().filter_map(again).collect();
+    best.sort_by(by_score);
+    best.into_iter().next().map(|one| ((one.named, Some(one.median)), vec![one.scored]))
+}
+
+/// A pose of a whole brain.
+struct Settled {
+    scored: Scored,
+    /// The median log radius around the place where it was searched.
+    median: f64,
+    /// What lies on the atlas.
+    named: Nodes,
+}
+
+/// A pose refined at some widths by the names of what lies on the atlas there; `None` where nothing does.
+fn settled(nodes: &Nodes, atlas: &Atlas, mut pose: Pose, median: f64, widths: &[f64]) -> Option<Settled> {
+    let named = on_the_atlas(nodes, atlas, &pose);
     if named.is_empty() {
         return None;
     }
-    let (weight, used) = (vec![1.0; named.len()], named.spanning_bridges(|_| true));
-    let search = Search::new(&named, atlas, &weight, &used, median);
-    let all: Vec<usize> = (0..named.len()).collect();
-    let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
-    for _ in 0..3 {
-        pose = search.named_step(&all, &pose, &pulls, &atlas.position);
-    }
-    Some(((named, Some(median)), vec![Scored { pose, score: 0.0 }]))
+    let score = with_search(&named, atlas, median, |search| {
+        let all: Vec<usize> = (0..named.len()).collect();
+        for tau in widths {
+            let precisions = atlas.widened(*tau);
+            pose = search.named_step(&all, &pose, &Pulls::of(atlas, &all_states(), &precisions), &precisions);
+        }
+        search.coverage(&pose)
+    });
+    Some(Settled { scored: Scored { pose, score }, median, named })
 }
 
-fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
-    let (weight, median) = (vec![1.0; nodes.len()], nodes.median_log_radius(|_| 1.0));
-    Search::new(nodes, atlas, &weight, &nodes.spanning_bridges(|_| true), median).everywhere()
+/// Where most of some nodes lie together, the most first.
+fn densest(nodes: &Nodes, of: &[usize]) -> Vec<Point> {
+    let around = |x: Point| -> f64 { of.iter().filter(|n| distance(x, nodes.at[**n]) < DENSE).map(|n| nodes.weight[*n]).sum() };
+    let asked = of.iter().step_by(of.len().div_ceil(ASKED).max(1)).map(|n| nodes.at[*n]);
+    let mut asked: Vec<(f64, Point)> = asked.map(|x| (around(x), x)).collect();
+    asked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut places: Vec<Point> = Vec::new();
+    for (_, x) in asked {
+        if places.len() < PLACES && places.iter().all(|place| distance(x, *place) > APART) {
+            places.push(x);
+        }
+    }
+    places
+}
+
+/// What `asks` finds in a search by all nodes with all bridges.
+fn with_search<T>(nodes: &Nodes, atlas: &Atlas, median: f64, asks: impl FnOnce(&Search) -> T) -> T {
+    let (weight, used) = (vec![1.0; nodes.len()], nodes.spanning_bridges(|_| true));
+    asks(&Search::new(nodes, atlas, &weight, &used, median))
 }
 
 /// Per node the mean radius of its branch, mm.
