@@ -470,6 +470,19 @@ def test_measures_are_those_of_the_command(tmp_path):
     assert willis.measure([circle, BROKEN]).subjects["status"].tolist() == ["ok", "ok"]
 
 
+def test_texts_that_no_row_has_are_texts(tmp_path):
+    circle = "data/circle-of-willis/complete.graphml"
+    assert set(willis.measure(BROKEN).vessels["territory"]) == {""}
+    assert set(willis.cohort([circle], tmp_path / "sure", samples=10).subjects["needs_person"]) == {""}
+    # Groups that are called by numbers.
+    inputs = [tmp_path / f"{name}.swc" for name in "abcd"]
+    for row, path in enumerate(inputs):
+        path.write_text(f"1 0 0 0 0 2 -1\n2 0 {10 + row} 0 0 2 1\n")
+    (tmp_path / "people.csv").write_text("subject,group\na,1\nb,1\nc,2\nd,2\n")
+    compared = willis.measure(inputs, participants=tmp_path / "people.csv", compare="group", measures=["length_mm"]).comparison
+    assert compared["group_a"].tolist() == ["1"] and compared["group_b"].tolist() == ["2"]
+
+
 def test_texts_name_arguments_as_python_has_them(tmp_path):
     """The command has options in their place: tests/command_line/refusals.rs has the same cases."""
     (tmp_path / "a.csv").write_text("fragment,x,y,z\n1,0,0,0\n1,1,0,0\n")

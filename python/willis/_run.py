@@ -77,7 +77,7 @@ class Run:
 
     @property
     def review(self) -> Table | None:
-        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is asked."""
+        """What a person is asked, in order, with the columns of review.csv; None where ``keep`` does not go by probabilities, or nothing is asked."""
         columns = self._run.review()
         return None if columns is None else Table(columns)
 
@@ -424,7 +424,7 @@ class SavedRun:
 
     @property
     def review(self) -> Table | None:
-        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is asked."""
+        """What a person is asked, in order, with the columns of review.csv; None where ``keep`` does not go by probabilities, or nothing is asked."""
         path = self.folder / "review.csv"
         return table_of(path) if path.exists() else None
 
@@ -473,7 +473,9 @@ def page_of(folder: Path) -> str:
     return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
 
 
-_TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant", "kind", "question"})
+# Also where no row has any: NaN is unlike every text.
+_TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "sha256", "status", "error", "variant", "kind", "question"})
+_TEXT |= {"completeness", "hypoplastic", "needs_person", "frame", "territory", "measure", "group_a", "group_b"}
 _TEXT |= {f"{name}_{reader}" for name in ("decision", "who", "comment") for reader in "ab"}
 _WHOLE = frozenset({"rank", "node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 

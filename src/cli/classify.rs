@@ -130,6 +130,10 @@ impl Work for ClassifyArgs {
         Ok(args)
     }
 
+    fn names(&self, column: &str) -> bool {
+        self.truth.as_deref() == Some(column)
+    }
+
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let record = Some(input.join(RECORD)).filter(|path| is_there(path));
         let landmarks = self.source(input).as_ref().and_then(ArterySource::file).map(Path::to_owned);

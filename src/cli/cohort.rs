@@ -36,6 +36,11 @@ pub trait Work: Sync + Sized {
     /// The files besides the input that go into it.
     fn files(&self, input: &Path) -> Vec<PathBuf>;
 
+    /// Whether an option names this column of a manifest.
+    fn names(&self, _column: &str) -> bool {
+        false
+    }
+
     /// Writes all files of a subject, run.json among them, into a folder.
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()>;
 }
@@ -204,7 +209,8 @@ impl Cohort<'_> {
             let plain = column.trim_start_matches('-').to_lowercase().replace('_', "-");
             is_option(&plain, Some(self.command))
         };
-        let (shared, columns): (Vec<&str>, Vec<&str>) = columns.partition(|column| is_shared(column));
+        let (shared, columns): (Vec<&str>, Vec<&str>) =
+            columns.filter(|column| !work.names(column)).partition(|column| is_shared(column));
         let whole = "columns of the manifest go into cohort.csv and change nothing; options of the whole run are given on the command line";
         for (columns, says) in [(columns, "columns of the manifest that are no options go into cohort.csv"), (shared, whole)] {
             if !columns.is_empty() {

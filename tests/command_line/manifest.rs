@@ -235,6 +235,8 @@ fn a_classification_is_compared_with_the_truth() {
     let said = stderr(&done);
     assert_eq!(done.status.code(), Some(0), "{said}");
     assert!(said.contains("compared  2 of 3 variants exact"), "{said}");
+    // The column is said to be none that changes nothing.
+    assert!(!said.contains("columns of the manifest"), "{said}");
     let text = fs::read_to_string(here.path().join("out/accuracy.csv")).expect("a table");
     let row = |what: &str| text.lines().find(|line| line.starts_with(&format!("{what},"))).expect("a row").to_owned();
     assert_eq!(

@@ -265,6 +265,26 @@ fn vessels_that_only_touch_are_said_to_be_read_as_joined() {
     }
 }
 
+/// By hand: at the junction of four vessels a contact was opened and kept, so that two nodes lie there. Lines have one point for both, and four vessels.
+#[test]
+fn a_vessel_in_one_place_is_said_to_be_lost() {
+    let places = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [0.0, -5.0, 0.0], [5.0, 0.0, 0.0], [0.0, 5.0, 0.0]];
+    let ends = [[0, 1], [0, 2], [0, 3], [1, 4], [1, 5]].map(|ends| (ends, 1.0, ""));
+    let mut network = straight_between(&places, &ends);
+    network.vessel_mut(0).length = metres(0.02);
+    // No format takes all for straight.
+    let bent = [[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [5.0, 0.0, 0.0]];
+    let path = bent.map(|place| PathPoint { position: place.map(metres), radius: metres(1.0), id: None });
+    *network.vessel_mut(3) = Vessel::along(path.to_vec(), RadiusRule::Mean);
+    for to in FILES {
+        let lost = losses(&network, &Target::new("x".as_ref(), Some(to.0)).unwrap());
+        let is_told = lost.iter().any(|lost| lost == "1 vessel in one place, whose two nodes are read again as one");
+        assert_eq!(through(&network, to).vessel_count(), if is_told { 4 } else { 5 }, "{}", to.0);
+        assert!(!lost.iter().any(|lost| lost.starts_with("the lengths")), "{}: {lost:?}", to.0);
+        assert_eq!(is_told, !["graphml", "csv", "voreen"].contains(&to.0), "{}", to.0);
+    }
+}
+
 const TABLE: &str = "node_a,node_b,length_mm,radius_mm\n0,1,4,1\n1,2,3,1\n";
 
 #[test]

@@ -200,6 +200,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let [lengths, radii] = changed.unwrap_or_default();
     // These say beside their lines what is apart.
     let states_nodes = [Format::Vtp, Format::Vtk, Format::Swc].contains(&target.format);
+    let points = drawn.as_ref().map_or(0, |(lines, _)| lines.iter().filter(|line| is_place(line)).count());
     let joined = drawn.filter(|_| !states_nodes).map(|(lines, drawn)| read_as_joined(&drawn, &lines, lacks(LoneNodes)));
     let meetings = joined.unwrap_or_default();
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
@@ -223,6 +224,7 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
         (lacks(Statements), vessels(&|v| v.certain), "the certainty of {vessel}"),
         (lacks(Statements) || lacks(Resistances), vessels(&|v| v.resistance.is_some()), "the stated resistances of {vessel}"),
         (lacks(Statements), vessels(&|v| v.wall.is_some()), "the stated walls of {vessel}"),
+        (is_lines, points, "{vessel} in one place, whose two nodes are read again as one"),
         (is_lines, degree.iter().filter(|d| **d == 2).count(), "{node} between two vessels, which are read again as one"),
         (true, meetings, "that vessels only touch in {place}, where they are read as joined"),
         (is_lines, without_course, "{vessel} from a node to itself without a course"),
@@ -247,9 +249,10 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
 /// these are `apart`, or of several parts of the network, or free ends.
 fn read_as_joined(drawn: &Network, lines: &[Vec<PathPoint>], apart: bool) -> usize {
     let place = |point: &PathPoint| point.position.map(|x| (x + 0.0).to_bits());
+    let is_place: Vec<bool> = lines.iter().map(|line| is_place(line)).collect();
     let lines: Vec<Vec<[u64; 3]>> = lines.iter().map(|line| line.iter().map(place).collect()).collect();
     // Nodes that a vessel without extent joins are one.
-    let one = fragments(drawn, |row, _| lines.get(row).is_some_and(|line| line.iter().all(|at| *at == line[0]))).of_node;
+    let one = fragments(drawn, |row, _| is_place.get(row).copied().unwrap_or_default()).of_node;
     let (degree, part) = (drawn.degrees(|_| true), fragments(drawn, |_, _| true).of_node);
     // Each with its place, whether it is a free end, what it is, a node or a point of a vessel, and its line or part.
     let mut points = Vec::new();
@@ -270,11 +273,17 @@ fn read_as_joined(drawn: &Network, lines: &[Vec<PathPoint>], apart: bool) -> usi
     points.chunk_by(|a, b| a.0 == b.0).filter(is_joined).count()
 }
 
-/// How many vessels have another length, and how many another radius, as lines from node to node.
+/// Whether all points of a line lie in one place, as those of a contact between two halves of one junction do.
+fn is_place(line: &[PathPoint]) -> bool {
+    line.iter().all(|point| point.position == line[0].position)
+}
+
+/// How many vessels have another length, and how many another radius, as lines from node to node; without those that are no line.
 fn changed_as_lines(drawn: &Network, lines: &[Vec<PathPoint>]) -> [usize; 2] {
     let differs = |drawn: f64, stated: f64| (drawn - stated).abs() > SAME * stated.abs();
     let changed = |of: &dyn Fn(&[PathPoint]) -> f64, stated: &dyn Fn(&Vessel) -> f64| {
-        lines.iter().zip(drawn.vessels()).filter(|(line, (_, vessel))| differs(of(line), stated(vessel))).count()
+        let drawn = lines.iter().zip(drawn.vessels());
+        drawn.filter(|(line, (_, vessel))| !is_place(line) && differs(of(line), stated(vessel))).count()
     };
     [changed(&length_of, &|vessel| vessel.length), changed(&|line| RadiusRule::Mean.radius(line), &|vessel| vessel.radius)]
 }
