@@ -4,13 +4,8 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::graph::{BitMatrix, Lists, Remaining};
-use crate::support::{marked, placed};
-
-/// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
+/// Up to so many nodes a matrix of bits is used, which then takes at most 32 MB; larger graphs are lists.
 pub const MOST_IN_BITS: usize = 1 << 14;
-
-/// Larger graphs are lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
-pub const DENSE: usize = 32;
 
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
 const FILL_NODES: usize = 4096;
@@ -34,14 +29,11 @@ impl Star {
 
 /// The order of fewest joins: by least degree or by least fill. `None` for more than `limit` pairs by least degree.
 pub fn fewest_joins(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    // Both begin with the nodes of at most one neighbour, which are nearly all of a forest.
-    let (leaves, left) = low_degrees(nodes, links, 1, limit)?;
-    let rest = Rest::of(&leaves, &left);
-    let by_degree = least_degree(rest.nodes.len(), &rest.links, limit)?;
+    let by_degree = least_degree(nodes, links, limit)?;
     let pairs = by_degree.iter().map(Star::pairs).sum();
     let may_fill = nodes <= FILL_NODES && pairs <= FILL_JOINS;
-    let by_fill = if may_fill { least_fill(rest.nodes.len(), &rest.links, pairs) } else { None };
-    Some(rest.after(leaves, by_fill.unwrap_or(by_degree)))
+    let by_fill = if may_fill { least_fill(nodes, links, pairs) } else { None };
+    Some(by_fill.unwrap_or(by_degree))
 }
 
 /// Eliminates the node of least degree, ties to the lower number, until none is left.
@@ -49,47 +41,9 @@ pub fn fewest_joins(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
-    }
-    let (stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
-    let limit = limit - stars.iter().map(Star::pairs).sum::<usize>();
-    let rest = Rest::of(&stars, &left);
-    let dense = rest.nodes.len();
-    let last = if dense <= MOST_IN_BITS {
-        by_degree(dense, &mut BitMatrix::new(dense, &rest.links), usize::MAX, limit)
+        by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit)
     } else {
-        by_degree(dense, &mut Lists::new(dense, &rest.links), usize::MAX, limit)
-    }?;
-    Some(rest.after(stars, last))
-}
-
-/// What is left of a graph when some nodes are gone, numbered in the same order, so that ties go to the same nodes.
-struct Rest {
-    /// The nodes that are left, by their new number.
-    nodes: Vec<usize>,
-    /// The links between them.
-    links: Vec<[usize; 2]>,
-}
-
-impl Rest {
-    /// What the stars leave, from the neighbours that remain of each node.
-    fn of(gone: &[Star], neighbours: &[Vec<usize>]) -> Self {
-        let is_gone = marked(neighbours.len(), gone.iter().map(|star| star.center));
-        let nodes: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
-        let place = placed(neighbours.len(), nodes.iter().copied());
-        let pairs = nodes.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
-        let links = pairs.map(|pair| pair.map(|node| place[node])).collect();
-        Self { nodes, links }
-    }
-
-    /// The stars that are gone, and after them those of the rest.
-    fn after(&self, mut gone: Vec<Star>, mut rest: Vec<Star>) -> Vec<Star> {
-        for star in &mut rest {
-            star.center = self.nodes[star.center];
-            star.neighbours.iter_mut().for_each(|node| *node = self.nodes[*node]);
-        }
-        gone.append(&mut rest);
-        gone
+        by_degree(nodes, &mut Lists::new(nodes, links), usize::MAX, limit)
     }
 }
 
