@@ -11,7 +11,7 @@ use crate::internals::training::{
     Case, Cases, ContactExample, ContactModel, ContactScores, Example, Folds, JoinExample, Model, TreeExample,
     calibrate_contacts, cross_validate, read_cases,
 };
-use crate::{Result, error::Fault, internals::formats::bytes_of, internals::pipeline::require};
+use crate::{Result, error::Fault, internals::pipeline::SourceFile, internals::pipeline::require};
 
 /// A model of boosted trees in a file, and what is said of it.
 pub(super) trait TreeModel: Sized + Sync {
@@ -123,9 +123,7 @@ fn model_for_images<M: TreeModel>(path: &Path, cases: &[Case]) -> Result<M> {
 
 /// The model in a file.
 fn read_model<M: TreeModel>(path: &Path) -> Result<M> {
-    let bytes = bytes_of(path)?;
-    let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train` writes it");
-    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(M::READ).map_err(|fault| fault.in_file(path))
+    Ok(SourceFile::read_text(path, "expected a model as `willis train` writes it", M::READ)?.0)
 }
 
 impl TreeModel for ContactModel {
