@@ -126,10 +126,9 @@ bytes masks ring '\002\002\000\000\111\357\001'
 bytes masks block '\007\007\007\043\222\377\377\377\377\377\377\377\377\377\377\360\377\377\377\377\377\377\017\377\377\377'
 bytes flow series '\001\000\002\003\000\001\030\100\001\002\030\030'
 bytes flow ring '\002\000\002\000\000\001\030\100\001\002\040\030\002\003\050\060\003\000\030\070'
-bytes stored part '\100\001\001\001\000\001\100\000\010\010\001\000\010\000\010\100\000\100\010\000\010'
 bytes python arrays '\000\004\003\003\000\000\000\010\000\000\020\000\000\030\010\000\004\004\004\004\010\010\010\000\010\010\020\020\030'
 bytes python decide '\003\011\013\002\005probable=2'
-bytes python options '\005--max-gap\n5mm\n--epsilon\n0.25'
+bytes python options '\004--max-gap\n5mm\n--epsilon\n0.25'
 { printf '\001'; cat "$work/mask.npy"; } > corpus/python/mask
 { printf '\002'; cat "$work/graph.graphml"; } > corpus/python/graph
 # Lists and models.

@@ -1,5 +1,5 @@
-//! What the module for Python hands to the library: arrays packed as NPZ or NPY, a graph as GraphML, words, rows of decisions, the bytes of
-//! a pickled run. The first byte says which.
+//! What the module for Python hands to the library: arrays packed as NPZ or NPY, a graph as GraphML, words, rows of decisions. The first
+//! byte says which.
 #![no_main]
 
 use std::io::Cursor;
@@ -119,19 +119,6 @@ fn decide(bytes: &[u8]) {
     }
 }
 
-/// `pickle.loads`: the bytes of a run.
-fn pickled(bytes: &[u8]) {
-    if let Ok(run) = Inference::from_bytes(bytes) {
-        let _ = words::said_of_run(&run);
-        let _ = run.tables();
-        let _ = run.topology();
-        let again = run.to_bytes();
-        if let Ok(again) = again {
-            Inference::from_bytes(&again).expect("what was stored is read");
-        }
-    }
-}
-
 /// Words that Python makes of keywords.
 fn options(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
@@ -143,12 +130,11 @@ fn options(bytes: &[u8]) {
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((first, rest)) = bytes.split_first() else { return };
-    match first % 6 {
+    match first % 5 {
         0 => arrays(rest),
         1 => mask(rest),
         2 => graph(rest),
         3 => decide(rest),
-        4 => pickled(rest),
         _ => options(rest),
     }
 });

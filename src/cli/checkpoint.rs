@@ -1,13 +1,13 @@
 //! Follows a run: shows its progress, and keeps what is finished beside its output, so that the same command resumes it (`--checkpoint`).
 
-use std::{fs, io, path::PathBuf, time::Duration, time::Instant};
+use std::{fs, io, path::Path, path::PathBuf, time::Duration, time::Instant};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned, de::IgnoredAny};
 
 use super::print::{CountProgress, TextTerminal, count, say_step};
 use crate::internals::formats::{is_there, regular_bytes_of};
-use crate::internals::output::{StagedFolder, read_part, replace_file, write_part};
-use crate::{Error, Follow, Progress, Step, internals::sampling::PartialRun};
+use crate::internals::output::{StagedFolder, read_stored, replace_file, write_stored};
+use crate::{Error, Follow, Progress, Result, Step, internals::sampling::PartialRun};
 
 /// Between the beginning and the first time that something is kept, and between two of them, where nobody says otherwise.
 const FIRST: Duration = Duration::from_mins(1);
@@ -28,11 +28,17 @@ pub fn parse_interval(text: &str) -> Result<Interval, String> {
     }
 }
 
-/// What is kept, for people.
+/// What is kept of a run, with its command for the notes of other runs.
 #[derive(Serialize, Deserialize)]
-struct CheckpointNote {
-    willis: String,
+struct KeptRun<P> {
     command: String,
+    part: P,
+}
+
+impl<P: DeserializeOwned> KeptRun<P> {
+    fn read(path: &Path) -> Result<Self> {
+        read_stored(&regular_bytes_of(path)?).map_err(|fault| fault.in_file(path))
+    }
 }
 
 /// Follows one run.
@@ -73,9 +79,9 @@ impl<'a> Follower<'a> {
         Self { bar: Some(terminal.progress(doing, things, total)), ..Self::new(terminal) }
     }
 
-    /// The files in which a run is kept, which stay when it does not come to its end; `key` is hexadecimal.
-    pub fn files(folder: &StagedFolder, key: &str) -> [PathBuf; 2] {
-        ["npz", "json"].map(|ending| folder.keep(&format!("{}.{ending}", key.get(..16).unwrap_or(key))))
+    /// The file in which a run is kept, which stays when it does not come to its end; `key` is hexadecimal.
+    pub fn file(folder: &StagedFolder, key: &str) -> PathBuf {
+        folder.keep(&format!("{}.part", key.get(..16).unwrap_or(key)))
     }
 
     /// Samples that are finished, and all that there are to be.
@@ -130,10 +136,10 @@ impl Follow for Follower<'_> {
         say_step(self.terminal, &step);
     }
 
-    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+    fn resume(&mut self, key: &str, fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         let keeper = self.keeper.as_mut()?;
-        [keeper.file, _] = Self::files(keeper.folder, key);
-        keeper.take_up(uncertain, fits)
+        keeper.file = Self::file(keeper.folder, key);
+        keeper.take_up(fits)
     }
 
     fn sampled(&mut self, part: &PartialRun, is_complete: bool) {
@@ -168,16 +174,14 @@ struct Keeper<'a> {
 
 impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
-    fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+    fn take_up(&mut self, fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
         if self.interval.is_none() || !is_there(&self.file) {
             return None;
         }
-        let read = regular_bytes_of(&self.file)
-            .and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
-        match read {
-            Ok(part) if !fits(&part) => None,
-            Ok(part) => {
+        match KeptRun::read(&self.file) {
+            Ok(KeptRun { part, .. }) if !fits(&part) => None,
+            Ok(KeptRun { part, .. }) => {
                 self.kept = part.done();
                 self.terminal.say("resumed", format!("{} of {} samples were kept", count(part.done()), count(part.samples())));
                 Some(part)
@@ -191,12 +195,11 @@ impl Keeper<'_> {
 
     fn note_others(&self) {
         let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
-        for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
-            let note: Option<CheckpointNote> = regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-            if let Some(note) = note.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
+        for path in entries.filter(|path| path.extension().is_some_and(|e| e == "part") && !self.folder.is_kept(path)) {
+            if let Ok(KeptRun::<IgnoredAny> { command, .. }) = KeptRun::read(&path) {
                 let place = self.folder.checkpoint_folder().display();
-                let whose = if note.command == self.command { " on another graph or by another version" } else { "" };
-                self.terminal.say("note", format!("{place} also keeps samples of another run: {}{whose}", note.command));
+                let whose = if command == self.command { " on another graph or by another version" } else { "" };
+                self.terminal.say("note", format!("{place} also keeps samples of another run: {command}{whose}"));
             }
         }
     }
@@ -215,8 +218,8 @@ impl Keeper<'_> {
             return;
         }
         let begun = Instant::now();
-        self.sign();
-        match replace_file(&self.file, |out| write_part(out, part)) {
+        let kept = KeptRun { command: self.command.clone(), part };
+        match replace_file(&self.file, |out| write_stored(out, &kept)) {
             Ok(()) => (self.kept, self.failed) = (done, false),
             Err(error) => {
                 if !self.failed {
@@ -226,14 +229,5 @@ impl Keeper<'_> {
             }
         }
         (self.last, self.cost) = (Some(Instant::now()), begun.elapsed());
-    }
-
-    /// Writes which run it belongs to, for the notes of other runs; this run resumes from the part alone.
-    fn sign(&self) {
-        let file = self.file.with_extension("json");
-        if !file.exists() {
-            let about = CheckpointNote { willis: env!("CARGO_PKG_VERSION").to_owned(), command: self.command.clone() };
-            let _ = replace_file(&file, |out| Ok(serde_json::to_writer(out, &about)?));
-        }
     }
 }

@@ -255,7 +255,7 @@ impl Inferences {
         let path = folder.path();
         // Before the first of several looks at what is there.
         for options in &self.runs {
-            Follower::files(folder, &prepared.key(options));
+            Follower::file(folder, &prepared.key(options));
         }
         let (mut decisions, mut records) = (Vec::new(), Vec::new());
         for options in &self.runs {

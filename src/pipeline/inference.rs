@@ -11,8 +11,8 @@ use super::{ConnectionDecision, Follow, GraphEdit, Prepared, Step, progress::Not
 use crate::{Decision, Error, Keep, Likelihood, Network, Result, SamplingOptions, SaveOptions};
 use willis_core::decision::{Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::sampling::{FIRST_STABLE, PartialRun, Sampling};
-use willis_core::{flow::Boundary, support::endings::stem};
-use willis_io::output::{StagedFolder, write_file, write_record};
+use willis_core::{error::Fault, flow::Boundary, support::endings::stem};
+use willis_io::output::{StagedFolder, read_stored, write_file, write_record, write_stored};
 use willis_io::{formats::Column, formats::write_csv, output::names::SUPPLY};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::{
@@ -46,18 +46,6 @@ struct Sampled {
 }
 
 impl Prepared {
-    /// Whether its rows are all there, as they are unless it comes from bytes.
-    fn is_whole(&self) -> bool {
-        let (nodes, boundary) = (self.graph.node_count(), &self.boundary);
-        let conditions = boundary.conditions.iter().map(|(node, _)| node);
-        boundary.roles.len() == nodes
-            && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
-            && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
-            && self.early.fits(self.undecided_graph())
-            && self.undecided_graph().node_count() <= nodes
-            && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
-    }
-
     /// Samples the graph and decides. The options need not be those of [`Prepared::options`]: several may share one graph.
     ///
     /// # Errors
@@ -71,9 +59,10 @@ impl Prepared {
         let first = SamplingOptions { samples: if until_stable { FIRST_STABLE } else { options.samples }, ..options.clone() };
         let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
         let samples = sampling.samples();
-        let fits = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
-        let resumed = progress.resume(&self.key(options), sampling.part().uncertain(), &fits);
-        let mut part = resumed.unwrap_or_else(|| sampling.part());
+        let fresh = sampling.part();
+        let is_as_long = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
+        let fits = |part: &PartialRun| part.uncertain() == fresh.uncertain() && is_as_long(part);
+        let mut part = progress.resume(&self.key(options), &fits).unwrap_or(fresh);
         let before = part.done();
         let sampled = if until_stable {
             sampling.until_stable(&mut part, |result| all_decided(self.keep, &self.graph, result), progress)
@@ -252,7 +241,9 @@ impl Inference {
     ///
     /// A file that cannot be read, or that was made for another input or another graph.
     pub fn listed_decisions(&self, path: &Path, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Vec<GraphEdit>)> {
-        let Decided { made, edits, .. } = DecisionList::read(path)?.on(self.sampled.prepared.undecided_graph(), input_sha256)?;
+        let Prepared { graph, undecided, .. } = &*self.sampled.prepared;
+        let graph = undecided.as_ref().map_or(graph, |before| &before.graph);
+        let Decided { made, edits, .. } = DecisionList::read(path)?.on(graph, input_sha256)?;
         Ok((made, edits))
     }
 
@@ -283,20 +274,19 @@ impl Inference {
     ///
     /// A graph with numbers that are not finite.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        serde_json::to_vec(&self.sampled).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
+        let mut bytes = Vec::new();
+        let stored = write_stored(&mut bytes, &self.sampled);
+        stored.map(|()| bytes).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
     }
 
     /// What [`Inference::to_bytes`] stored.
     ///
     /// # Errors
     ///
-    /// Other bytes.
+    /// Other bytes, or some of them altered.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let wrong = |e: serde_json::Error| Error::parameter("run", "cannot be read", e.to_string());
-        let sampled: Sampled = serde_json::from_slice(bytes).map_err(wrong)?;
-        let is_run = sampled.prepared.is_whole() && sampled.likelihood.fits(sampled.prepared.graph.vessel_count());
-        require(is_run, "run", "cannot be read", "expected the bytes of a run")?;
-        sampled.decide()
+        let wrong = |fault: Fault| Error::parameter("run", "cannot be read", format!("{}; {}", fault.found, fault.accepted));
+        read_stored::<Sampled>(bytes).map_err(wrong)?.decide()
     }
 
     /// How long sampling took, s.

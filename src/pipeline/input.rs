@@ -273,11 +273,6 @@ impl Input {
         self
     }
 
-    /// Whether it was read from the folder of a run of infer.
-    pub fn is_run(&self) -> bool {
-        self.run.is_some()
-    }
-
     /// What outlets are that are found: terminal resistances at the ends of centerlines, where arteries go on outside of the image. A ready
     /// graph states the ends of its arteries; what it does not state is ground, as in the paper.
     pub(crate) fn usual_outlets(&self) -> FoundOutlets {

@@ -69,11 +69,6 @@ impl Prepared {
         conditions.filter(|node| !self.boundary.is_found(*node)).collect()
     }
 
-    /// The graph before a person decided on it.
-    pub(crate) fn undecided_graph(&self) -> &Network {
-        self.undecided.as_ref().map_or(&self.graph, |before| &before.graph)
-    }
-
     /// The graph with a person's edits and none of the decisions on connections, where it has the same rows; none where nobody decided.
     pub(crate) fn without_decisions(&self) -> Option<Cow<'_, Network>> {
         let (before, decided) = self.undecided.as_deref().zip(self.records.decisions.as_ref())?;
@@ -119,13 +114,6 @@ pub(crate) struct EarlyKnowledge {
 }
 
 impl EarlyKnowledge {
-    /// Whether it may be that of this graph, by the number of its nodes.
-    pub(crate) fn fits(&self, graph: &Network) -> bool {
-        self.own_nodes <= graph.node_count()
-            && self.given.iter().all(|given| given.node < graph.node_count())
-            && !matches!(&self.arteries, EarlyArteries::Landmarks(found) if !found.circle.fits(graph))
-    }
-
     /// The same where each node has another row, that of the node that stands for it where it is gone.
     pub(crate) fn follow(&mut self, node_now: &[usize]) {
         self.own_nodes = distinct(node_now[..self.own_nodes].iter().copied()).len();

@@ -10,7 +10,7 @@ pub trait Follow: Progress {
 
     /// Sampling is about to begin: the part of the run that an earlier one finished, where it was kept. `key` stands for everything that
     /// the samples depend on; `fits` says whether a part may be of this run.
-    fn resume(&mut self, _key: &str, _uncertain: &[bool], _fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+    fn resume(&mut self, _key: &str, _fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         None
     }
 

@@ -46,7 +46,7 @@ fn hidden(here: &Path) -> Vec<String> {
 /// What is kept beside `out`, in bytes.
 pub fn kept(here: &Path) -> u64 {
     let entries = fs::read_dir(here.join(".willis-out")).into_iter().flatten().flatten();
-    entries.filter(|e| e.path().extension().is_some_and(|e| e == "npz")).filter_map(|e| e.metadata().ok()).map(|m| m.len()).sum()
+    entries.filter(|e| e.path().extension().is_some_and(|e| e == "part")).filter_map(|e| e.metadata().ok()).map(|m| m.len()).sum()
 }
 
 pub fn wait_until(what: impl Fn() -> bool) {
@@ -179,7 +179,7 @@ fn what_is_kept_and_damaged_is_not_used() {
     child.kill().expect("killed");
     child.wait().expect("gone");
     for entry in fs::read_dir(here.path().join(".willis-out")).expect("kept").flatten() {
-        if entry.path().extension().is_some_and(|e| e == "npz") {
+        if entry.path().extension().is_some_and(|e| e == "part") {
             let bytes = fs::read(entry.path()).expect("bytes");
             fs::write(entry.path(), &bytes[..bytes.len() / 2]).expect("written");
         }
@@ -316,7 +316,7 @@ fn a_cohort_goes_on_within_a_subject() {
     let mut child = spawn(here.path(), &arguments.iter().map(ToString::to_string).collect::<Vec<_>>());
     let is_kept = |name: &str| {
         let kept = fs::read_dir(here.path().join("out").join(name)).into_iter().flatten().flatten();
-        kept.filter(|e| e.path().extension().is_some_and(|e| e == "npz")).count() > 0
+        kept.filter(|e| e.path().extension().is_some_and(|e| e == "part")).count() > 0
     };
     wait_until(|| is_kept(".willis-a") || is_kept(".willis-b"));
     let second = willis(here.path(), &arguments);

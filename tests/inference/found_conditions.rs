@@ -284,9 +284,7 @@ fn the_paper_fixes_what_was_found() {
     let of = |options: InferOptions| {
         let run =
             willis::infer(&input, &InferOptions { sampling: SamplingOptions { samples: 64, ..options.sampling }, ..options });
-        let record = run.expect("a run").to_bytes().expect("bytes");
-        let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
-        record["sampling"]["found_conditions"].clone()
+        serde_json::to_value(run.expect("a run").outcome().sampling.found_conditions).expect("a word")
     };
     let plain = InferOptions::default;
     let reference = SamplingOptions { solver: Solver::Reference, ..SamplingOptions::default() };

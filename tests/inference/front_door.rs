@@ -94,10 +94,11 @@ fn a_run_comes_back_from_its_bytes() {
     let bytes = run.to_bytes().unwrap();
     assert_eq!(saved(&Inference::from_bytes(&bytes).unwrap()), saved(&run));
     assert!(Inference::from_bytes(&bytes[..bytes.len() / 2]).is_err());
-    // A likelihood of one vessel less is of another run.
-    let mut other: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
-    other["likelihood"]["likelihood"].as_array_mut().unwrap().pop();
-    assert!(Inference::from_bytes(other.to_string().as_bytes()).is_err());
+    // One digit is another one.
+    let mut other = bytes.clone();
+    let digit = other.iter_mut().filter(|byte| byte.is_ascii_digit()).nth(1000).unwrap();
+    *digit ^= 1;
+    assert!(Inference::from_bytes(&other).is_err());
 }
 
 #[test]

@@ -15,11 +15,12 @@ const FEW: f64 = 20.0;
 const RULE_OF_THREE: f64 = 3.0 / 1.96;
 
 /// Sums over a range of samples, per vessel.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Sums {
     /// Σ of the contributions: L.
     pub likelihood: Vec<f64>,
-    /// Σ of the squared contributions.
+    /// Σ of the squared contributions, infinite beyond what a double can hold.
+    #[serde(with = "as_bits")]
     pub square: Vec<f64>,
     /// Samples with the vessel in the forest; their probability in an enumeration.
     pub count: Vec<f64>,
@@ -52,26 +53,6 @@ impl Sums {
         self.square.fill(0.0);
         self.count.fill(0.0);
         (self.network_resilience, self.perfused, self.residual, self.samples) = (0.0, 0.0, 0.0, 0);
-    }
-
-    /// Whether samples can have made them, each of which adds a figure of zero or more to the vessels of its forest: whole numbers of
-    /// times up to that of the samples, nothing where that is zero, and Σx² between (Σx)² and (Σx)² over the times.
-    pub fn are_possible(&self) -> bool {
-        /// Above what rounding does to sums of 2⁵⁰ figures that are added pairwise.
-        const ROOM: f64 = 1.0 + 1e-9;
-        let is_sum = |x: f64| x.is_finite() && x >= 0.0;
-        let is_vessel = |((sum, square), times): ((&f64, &f64), &f64)| {
-            let counted = times.fract() == 0.0 && (0.0..=self.samples as f64).contains(times);
-            let (root, nothing) = (square.sqrt(), *times == 0.0);
-            // Squares of figures below 1e-150 are not normal numbers.
-            let bounded = *sum < 1e-140 || *square == f64::INFINITY || root <= sum * ROOM && *sum <= times.sqrt() * root * ROOM;
-            counted && is_sum(*sum) && *square >= 0.0 && if nothing { *sum == 0.0 && *square == 0.0 } else { bounded }
-        };
-        is_sum(self.network_resilience)
-            && self.perfused.fract() == 0.0
-            && (0.0..=self.samples as f64).contains(&self.perfused)
-            && is_sum(self.residual)
-            && self.likelihood.iter().zip(&self.square).zip(&self.count).all(is_vessel)
     }
 
     /// The Monte-Carlo standard error of each vessel's L, a sum over n samples: sqrt(n) times the standard deviation of
@@ -168,13 +149,6 @@ mod as_bits {
 }
 
 impl Likelihood {
-    /// Whether it is of a graph of so many vessels.
-    pub fn fits(&self, vessels: usize) -> bool {
-        let uncertain = self.uncertain.iter().filter(|is| **is).count();
-        let all = [self.likelihood.len(), self.std_error.len(), self.frequency.len(), self.uncertain.len()];
-        all == [vessels; 4] && self.trace.iter().all(|snapshot| snapshot.likelihood.len() == uncertain)
-    }
-
     /// From the sums over all samples.
     pub fn new(sums: Sums, uncertain: Vec<bool>, trace: Vec<Snapshot>) -> Self {
         let n = sums.samples.max(1) as f64;
@@ -225,18 +199,13 @@ impl Likelihood {
 }
 
 /// The sums over the blocks that are finished: the largest nodes of the tree that they fill.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct DyadicSums {
     /// Blocks of each node and their sum, by the node's first block. A node has 2^k blocks and begins at a multiple of that.
     nodes: BTreeMap<u64, (u64, Sums)>,
 }
 
 impl DyadicSums {
-    /// Whether the tree has a node of so many blocks from `first` on.
-    pub fn is_node(first: u64, blocks: u64) -> bool {
-        blocks.is_power_of_two() && first.is_multiple_of(blocks) && first.checked_add(blocks).is_some()
-    }
-
     /// Adds the sum over a node of so many blocks, and joins it with its sibling as long as that is there. None of its blocks may be there yet.
     ///
     /// `done` is called for every node that this completes, beginning with the one given; memory that is no longer needed goes to `spare`.
@@ -248,7 +217,8 @@ impl DyadicSums {
         spare: &mut Vec<Sums>,
         mut done: impl FnMut(u64, u64, &Sums),
     ) {
-        debug_assert!(Self::is_node(first, size) && !self.overlaps(first..first + size));
+        debug_assert!(size.is_power_of_two() && first.is_multiple_of(size));
+        debug_assert_eq!(self.gaps(first..first + size), std::slice::from_ref(&(first..first + size)));
         loop {
             done(first, size, &sum);
             let sibling = first ^ size;
@@ -270,11 +240,6 @@ impl DyadicSums {
     /// The same, by value.
     pub fn into_nodes(self) -> impl ExactSizeIterator<Item = (u64, u64, Sums)> {
         self.nodes.into_iter().map(|(first, (blocks, sum))| (first, blocks, sum))
-    }
-
-    /// Whether one of these blocks is there already.
-    pub fn overlaps(&self, blocks: Range<u64>) -> bool {
-        self.nodes.range(..blocks.end).next_back().is_some_and(|(first, (size, _))| first + size > blocks.start)
     }
 
     /// The blocks of a range that are not there.
@@ -310,7 +275,7 @@ const SNAPSHOTS: u64 = 128;
 const MOST_NUMBERS: u64 = 1 << 24;
 
 /// What is finished of a run. The same blocks make the same part, bit for bit, whatever the order in which they were added.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartialRun {
     uncertain: Vec<bool>,
     samples: u64,
@@ -353,28 +318,12 @@ impl PartialRun {
         self.sums.nodes().map(|(_, _, sums)| sums.samples).sum()
     }
 
-    /// Samples in a range of blocks.
-    pub fn samples_in(&self, blocks: &Range<u64>) -> u64 {
-        let border = |block: u64| (block * BLOCK).min(self.samples);
-        border(blocks.end) - border(blocks.start)
-    }
-
     /// The sums over the blocks that are finished.
     pub fn sums(&self) -> &DyadicSums {
         &self.sums
     }
 
-    /// L of the uncertain vessels over each step that is finished, by its number.
-    pub fn steps(&self) -> impl ExactSizeIterator<Item = (u64, &[f64])> {
-        self.steps.iter().map(|(at, likelihood)| (*at, &likelihood[..]))
-    }
-
-    /// Whether the node of so many blocks from `first` on can be added: it is a node of this run, and none of it is finished yet.
-    pub fn takes(&self, first: u64, blocks: u64) -> bool {
-        DyadicSums::is_node(first, blocks) && first + blocks <= self.blocks() && !self.sums.overlaps(first..first + blocks)
-    }
-
-    /// Adds the sums of a node for which [`PartialRun::takes`] holds; memory that is no longer needed goes to `spare`.
+    /// Adds the sums of a node of so many blocks from `first` on, none of which is finished yet; memory that is no longer needed goes to `spare`.
     pub fn insert(&mut self, first: u64, blocks: u64, sums: Sums, spare: &mut Vec<Sums>) {
         let (uncertain, step, steps) = (&self.uncertain, self.step, &mut self.steps);
         self.sums.insert(first, blocks, sums, spare, |first, blocks, sums| {
@@ -382,36 +331,6 @@ impl PartialRun {
                 steps.insert(first / step, of_uncertain(&sums.likelihood, uncertain));
             }
         });
-    }
-
-    /// Whether all blocks of a step are finished.
-    pub fn holds_step(&self, at: u64) -> bool {
-        let last = (at + 1).checked_mul(self.step).filter(|last| *last <= self.blocks());
-        last.is_some_and(|last| self.sums.gaps(last - self.step..last).is_empty())
-    }
-
-    /// Whether L is known over every step whose blocks are finished.
-    pub fn is_traced(&self) -> bool {
-        let whole = |(first, blocks, _): (u64, u64, &Sums)| first.div_ceil(self.step)..(first + blocks) / self.step;
-        self.sums.nodes().flat_map(whole).all(|at| self.steps.contains_key(&at))
-    }
-
-    /// Whether what L grew by in the steps of each node, which is at least a step wide, adds up to its L; up to the last digits.
-    pub fn is_trace_of_its_sums(&self) -> bool {
-        let fits = |(sum, traced): (f64, f64)| (sum - traced).abs() <= 1e-9 * sum.abs();
-        let is_figure = |x: &f64| x.is_finite() && *x >= 0.0;
-        self.steps.values().flatten().all(is_figure)
-            && self.sums.nodes().filter(|(_, blocks, _)| *blocks >= self.step).all(|(first, blocks, sums)| {
-                let steps = self.steps.range(first / self.step..(first + blocks) / self.step).map(|(_, step)| step);
-                let mut traced = vec![0.0; self.uncertain.iter().filter(|u| **u).count()];
-                steps.for_each(|step| traced.iter_mut().zip(step).for_each(|(sum, x)| *sum += x));
-                of_uncertain(&sums.likelihood, &self.uncertain).into_iter().zip(traced).all(fits)
-            })
-    }
-
-    /// Adds L of the uncertain vessels over a step whose blocks are finished.
-    pub fn insert_step(&mut self, at: u64, likelihood: Vec<f64>) {
-        self.steps.insert(at, likelihood);
     }
 
     /// Makes this the part of a run of twice as many samples. The run must consist of whole blocks.
@@ -438,9 +357,9 @@ impl PartialRun {
     /// The convergence record of a part that is the whole run: L of the uncertain vessels after each step.
     pub fn trace(&self) -> Vec<Snapshot> {
         let (mut so_far, mut trace, mut spare) = (DyadicSums::default(), Vec::new(), Vec::new());
-        for (at, likelihood) in self.steps() {
-            let step = Sums { likelihood: likelihood.to_vec(), ..Sums::default() };
-            so_far.insert(at, 1, step, &mut spare, |_, _, _| {});
+        for (at, likelihood) in &self.steps {
+            let step = Sums { likelihood: likelihood.clone(), ..Sums::default() };
+            so_far.insert(*at, 1, step, &mut spare, |_, _, _| {});
             let samples = ((at + 1) * self.step * BLOCK).min(self.samples);
             trace.extend(so_far.total().map(|sums| Snapshot { samples, likelihood: sums.likelihood }));
         }

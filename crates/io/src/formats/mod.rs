@@ -32,7 +32,7 @@ pub use input::{Checksummed, UnpackLimit, byte_count, bytes_of, checksum, checks
 pub use known::{Format, FormatTrait};
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, SURE, read_landmarks, write_landmarks};
 pub use numpy::array::{NamedArray, write_arrays, write_npy, write_npz};
-pub use numpy::{array::read_arrays, skeleton::read_skeleton_npz, skeleton::write_skeleton_npz};
+pub use numpy::{skeleton::read_skeleton_npz, skeleton::write_skeleton_npz};
 pub use options::{ReadOptions, check_name};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};

@@ -6,10 +6,10 @@ mod in_progress;
 mod lock;
 pub mod names;
 mod own_files;
-pub mod partial_run_file;
+mod stored;
 
 pub use atomic::{StagedFiles, StagedFolder};
 pub use files::{give_up_when, plain, read_json, relative, replace_file, write_file, write_json, write_record};
 pub use in_progress::{InProgress, clear_leftovers, final_path, is_in_progress, write_error};
 pub use own_files::{foreign_file, is_cohort_file};
-pub use partial_run_file::{read_part, write_part};
+pub use stored::{read_stored, write_stored};

@@ -234,29 +234,6 @@ fn tuple(shape: &[usize]) -> String {
     format!("({})", lengths.join(", "))
 }
 
-/// Reads every array of an `.npz` as float64, in the order of the file.
-///
-/// # Errors
-///
-/// A file that is cut or damaged, or an array of something else than numbers in C order.
-pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
-    let broken = |e: &dyn std::fmt::Display| Fault::file(format!("a broken archive ({e})"), "expected arrays of NumPy (.npz)");
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
-    // Counts of samples may be zeros throughout: they unpack to any times their size.
-    let room = UnpackLimit::of(usize::MAX, MAX_INPUT);
-    let mut arrays = Vec::with_capacity(archive.len());
-    for at in 0..archive.len() {
-        let member = archive.by_index(at).map_err(|e| broken(&e))?;
-        let name = member.name().trim_end_matches(".npy").to_owned();
-        let stored = member.compressed_size();
-        let array = NumpyArray::read(&name, member, stored, &room)?;
-        let wrong = || Fault::item(format!("array {name}"), "in Fortran order", "expected C order");
-        ensure(!array.fortran || array.shape.len() < 2, wrong)?;
-        arrays.push(NamedArray { name, values: array.reals()?, shape: array.shape });
-    }
-    Ok(arrays)
-}
-
 /// Reads an n x n matrix of any real type.
 ///
 /// # Errors
