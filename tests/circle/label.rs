@@ -308,7 +308,7 @@ fn sinuses_do_not_draw_the_names_away() {
         return println!("skipped: there is no {}", masks.display());
     }
     for (name, seen) in [("002", -98.0), ("004", -100.0), ("008", -101.0)] {
-        let head = read(masks.join(format!("KDXF_{name}.nii.gz")), &ReadOptions::default()).expect("a mask").network;
+        let head = read(&masks.join(format!("KDXF_{name}.nii.gz")), &ReadOptions::default()).expect("a mask").network;
         let names = NamingModels::shipped().expect("models").name(&head).expect("names");
         let is_carotid = |label: ArteryLabel| matches!(artery_of(label), Some(Artery::Ica(_)));
         let carotids = names.nodes.at.iter().zip(names.best()).filter(|(_, label)| is_carotid(*label));

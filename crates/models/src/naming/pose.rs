@@ -63,11 +63,6 @@ pub struct Scored {
 }
 
 impl Search<'_> {
-    /// The best poses, the best first.
-    pub fn everywhere(&self) -> Vec<Scored> {
-        self.refine(&self.starts(), &[2.0, 1.0])
-    }
-
     /// The best poses by each node by itself, the best first.
     fn starts(&self) -> Vec<Pose> {
         let (subset, all) = (self.subset(), all_states());
@@ -385,7 +380,8 @@ pub fn core_at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
 /// The core of a network and its poses, the best first.
 pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     if nodes.length() <= WHOLE_BRAIN {
-        let poses = with_search(&nodes, atlas, nodes.median_log_radius(|_| 1.0), |search| search.everywhere());
+        let median = nodes.median_log_radius(|_| 1.0);
+        let poses = with_search(&nodes, atlas, median, |search| search.refine(&search.starts(), &[2.0, 1.0]));
         return (!poses.is_empty()).then_some(((nodes, None), poses));
     }
     let radius = branch_radii(&nodes);
@@ -402,8 +398,8 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
         let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
         if !searched.is_empty() {
             let median = searched.median_log_radius(|_| 1.0);
-            let starts = with_search(&searched, atlas, median, |search| search.starts());
-            poses.extend(starts.into_iter().filter_map(|pose| settled(&nodes, atlas, pose, median, &[])));
+            let starts = with_search(&searched, atlas, median, |search| search.starts().into_iter());
+            poses.extend(starts.filter_map(|pose| settled(&nodes, atlas, pose, median, &[])));
         }
     }
     let by_score = |a: &Settled, b: &Settled| b.scored.score.total_cmp(&a.scored.score);
