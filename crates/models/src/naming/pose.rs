@@ -57,8 +57,8 @@ impl Pulls {
 pub struct Scored {
     /// The pose.
     pub pose: Pose,
-    /// Its score: the log ratio to no artery of the circle, summed over the length, with the prior; of a whole brain
-    /// [`Search::coverage`].
+    /// Its score: the log ratio to no artery of the circle, summed over the length, with the prior; of a whole brain summed over what is seen
+    /// of the atlas.
     pub score: f64,
 }
 
