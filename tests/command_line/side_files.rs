@@ -153,7 +153,7 @@ fn a_checkpoint_that_is_a_pipe_is_not_waited_for() {
     child.kill().expect("killed");
     child.wait().expect("ended");
     let hidden = fs::read_dir(here.path().join(".willis-out")).expect("stays").map(|entry| entry.expect("an entry").path());
-    for path in hidden.filter(|path| path.extension().is_some_and(|ending| ending == "npz")) {
+    for path in hidden.filter(|path| path.extension().is_some_and(|ending| ending == "part")) {
         fs::remove_file(&path).expect("there");
         pipe(&path);
     }
