@@ -78,7 +78,7 @@ impl Search<'_> {
             let states: &[AtlasState] = if tau > 8.0 { &coarse } else { &all };
             (single, single.places(&precisions), Pulls::of(self.atlas, states, &precisions))
         });
-        let mut starts: Vec<Scored> = Vec::new();
+        let mut starts: Vec<(Scored, ())> = Vec::new();
         for turn in start_turns() {
             for (axis, length) in START_OFFSETS {
                 let turn = rotation(turn.map(f64::to_radians));
@@ -91,26 +91,26 @@ impl Search<'_> {
                 }
                 let (single, places, _) = &widths[3];
                 let score = single.probabilities(&pose, places).1 / subset.len() as f64;
-                starts.push(Scored { pose, score });
+                starts.push((Scored { pose, score }, ()));
             }
         }
-        let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
+        let starts = distinct(starts, centre, 0.2, 4.0, REFINED);
         let single = Single::new(self, [&subset, &all], 1.0);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
         });
-        let refined = |start: Scored| {
+        let refined = |(start, ()): (Scored, ())| {
             let mut pose = start.pose;
             for (places, pulls) in &widths[..5] {
                 let (names, _) = single.probabilities(&pose, places);
                 pose = self.step(&subset, &pose, pulls, &names, true);
             }
             let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
-            Scored { pose, score: fit + 3.0 * pose.log_scale }
+            (Scored { pose, score: fit + 3.0 * pose.log_scale }, ())
         };
-        let refined = Self::distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
-        refined.into_iter().map(|scored| scored.pose).collect()
+        let refined = distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
+        refined.into_iter().map(|(scored, ())| scored.pose).collect()
     }
 
     /// The best poses around the first few that are nearly right, the best first.
@@ -277,22 +277,22 @@ impl Search<'_> {
         }
         subset
     }
+}
 
-    /// The best of some poses that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
-    fn distinct(mut poses: Vec<Scored>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<Scored> {
-        poses.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let mut kept: Vec<Scored> = Vec::new();
-        for scored in poses {
-            let is_new = kept.iter().all(|other| {
-                angle_between(&scored.pose, &other.pose) > angle
-                    || distance(unscaled(&scored.pose, centre), unscaled(&other.pose, centre)) > shift
-            });
-            if is_new && kept.len() < most {
-                kept.push(scored);
-            }
+/// The best of some poses, each with what else is known, that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
+fn distinct<T>(mut poses: Vec<(Scored, T)>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<(Scored, T)> {
+    poses.sort_by(|(a, _), (b, _)| b.score.total_cmp(&a.score));
+    let mut kept: Vec<(Scored, T)> = Vec::new();
+    for (scored, known) in poses {
+        let is_new = kept.iter().all(|(other, _)| {
+            angle_between(&scored.pose, &other.pose) > angle
+                || distance(unscaled(&scored.pose, centre), unscaled(&other.pose, centre)) > shift
+        });
+        if is_new && kept.len() < most {
+            kept.push((scored, known));
         }
-        kept
     }
+    kept
 }
 
 /// Where a position comes to lie, the scale left out.
@@ -391,7 +391,7 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     };
     let thick = length_below(&|_| true, THICK);
     let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
-    let mut poses: Vec<Settled> = Vec::new();
+    let mut poses: Vec<(Scored, f64)> = Vec::new();
     for place in densest(&nodes, &of_thick) {
         let near = |n: usize| distance(nodes.at[n], place) < REACH;
         let least = length_below(&near, SEARCHED);
@@ -399,40 +399,25 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
         if !searched.is_empty() {
             let median = searched.median_log_radius(|_| 1.0);
             let starts = with_search(&searched, atlas, median, |search| search.starts().into_iter());
-            poses.extend(starts.filter_map(|pose| settled(&nodes, atlas, pose, median, &[])));
+            poses.extend(starts.filter_map(|pose| Some((settled(&nodes, atlas, pose, median, &[])?.0, median))));
         }
     }
-    let by_score = |a: &Settled, b: &Settled| b.scored.score.total_cmp(&a.scored.score);
-    poses.sort_by(by_score);
-    let centre = |pose: &Pose| pose.undo(atlas.data.centroid);
-    let mut best: Vec<Settled> = Vec::new();
-    for one in poses {
-        let pose = one.scored.pose;
-        let is_other =
-            |b: &Settled| angle_between(&pose, &b.scored.pose) > 0.15 || distance(centre(&pose), centre(&b.scored.pose)) > 4.0;
-        if best.len() < SETTLED && best.iter().all(is_other) {
-            best.push(one);
+    let (first, _) = poses.iter().max_by(|(a, _), (b, _)| a.score.total_cmp(&b.score))?;
+    let centre = first.pose.undo(atlas.data.centroid);
+    let again = |(mut scored, median): (Scored, f64)| {
+        let mut named = Nodes::default();
+        for widths in SETTLED_WIDTHS {
+            (scored, named) = settled(&nodes, atlas, scored.pose, median, &widths)?;
         }
-    }
-    let again = |from: Settled| {
-        SETTLED_WIDTHS.iter().try_fold(from, |from, widths| settled(&nodes, atlas, from.scored.pose, from.median, widths))
+        Some((scored, (named, Some(median))))
     };
-    let mut best: Vec<Settled> = best.into_iter().filter_map(again).collect();
-    best.sort_by(by_score);
-    best.into_iter().next().map(|one| ((one.named, Some(one.median)), vec![one.scored]))
+    let best = distinct(poses, centre, 0.15, 4.0, SETTLED).into_iter().filter_map(again);
+    let (scored, core) = best.reduce(|best, next| if next.0.score > best.0.score { next } else { best })?;
+    Some((core, vec![scored]))
 }
 
-/// A pose of a whole brain.
-struct Settled {
-    scored: Scored,
-    /// The median log radius around the place where it was searched.
-    median: f64,
-    /// What lies on the atlas.
-    named: Nodes,
-}
-
-/// A pose refined at some widths by the names of what lies on the atlas there; `None` where nothing does.
-fn settled(nodes: &Nodes, atlas: &Atlas, mut pose: Pose, median: f64, widths: &[f64]) -> Option<Settled> {
+/// A pose of a whole brain refined at some widths by the names of what lies on the atlas there, and what that is; `None` where nothing does.
+fn settled(nodes: &Nodes, atlas: &Atlas, mut pose: Pose, median: f64, widths: &[f64]) -> Option<(Scored, Nodes)> {
     let named = on_the_atlas(nodes, atlas, &pose);
     if named.is_empty() {
         return None;
@@ -445,7 +430,7 @@ fn settled(nodes: &Nodes, atlas: &Atlas, mut pose: Pose, median: f64, widths: &[
         }
         search.coverage(&pose)
     });
-    Some(Settled { scored: Scored { pose, score }, median, named })
+    Some((Scored { pose, score }, named))
 }
 
 /// Where most of some nodes lie together, the most first.

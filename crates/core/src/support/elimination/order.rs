@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::graph::{BitMatrix, Lists, Remaining};
+
 /// Up to so many nodes a matrix of bits is used, which then takes at most 32 MB; larger graphs are lists.
 pub const MOST_IN_BITS: usize = 1 << 14;
 
