@@ -52,7 +52,7 @@ const RADIUS_FREEDOM: f64 = 4.0;
 /// The log likelihood of the radius of each node in each state: nodes x states. It does not depend on the pose.
 fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f64> {
     let mut fit = vec![0.0; nodes.len() * STATES];
-    let student = |z: f64, spread: f64| -spread.ln() - 0.5 * (RADIUS_FREEDOM + 1.0) * (z * z / RADIUS_FREEDOM).ln_1p();
+    let student = |z: f64, spread: f64| -spread.ln() - 0.5 * (RADIUS_FREEDOM + 1.0) * (1.0 + z * z / RADIUS_FREEDOM).ln();
     for (log_radius, row) in nodes.log_radius.iter().zip(fit.chunks_mut(STATES)) {
         let relative = log_radius - median_log_radius;
         for (piece, to) in atlas.data.pieces.iter().zip(row.iter_mut()) {
@@ -114,7 +114,7 @@ impl<'a> Search<'a> {
                 let d = sub(at, atlas.data.pieces[state].mean);
                 let square = quadratic(precision, d).max(0.0);
                 position[state] =
-                    -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
+                    -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (1.0 + square / POSITION_FREEDOM).ln() + constant;
                 let (inverse, log_determinant) = &atlas.direction[state];
                 direction[state] = -0.5 * log_determinant - 1.5 * trace_of_product(&runs, inverse).ln();
             }

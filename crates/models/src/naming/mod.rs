@@ -32,7 +32,7 @@ use belief::Beliefs;
 use emission::{Pose, Search};
 use nodes::is_traced;
 use pieces::{PIECE_FEATURES, label_probabilities, piece_features};
-use pose::{Core, Scored, core_at, find_core};
+use pose::{Core, Scored, core_at, find_cores};
 use presence::Seen;
 use willis_core::error::Result;
 use willis_core::network::{Frame, Network, path_places::length_of, units::millimetres};
@@ -98,11 +98,8 @@ struct NamingPass {
 /// network without a vessel or without positions, and for one that is longer than any head has vessels.
 pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
     let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
-    let mut found: Vec<(Frame, Core, Vec<Scored>)> = Vec::new();
-    for frame in frames {
-        let core = find_core(nodes_of(network, *frame)?, &model.atlas);
-        found.extend(core.map(|(core, poses)| (*frame, core, poses)));
-    }
+    let frames: Option<Vec<_>> = frames.iter().map(|frame| Some((*frame, nodes_of(network, *frame)?))).collect();
+    let mut found = find_cores(frames?, &model.atlas);
     // Pieces that are false may outweigh the others while the pose is searched: where the frames are that near to each other, the one counts
     // that fits better without such pieces.
     let score = |(_, _, poses): &(Frame, Core, Vec<Scored>)| poses.first().map_or(f64::NEG_INFINITY, |pose| pose.score);

@@ -21,9 +21,10 @@ const MOST_SCALE: f64 = 0.2;
 const GAIN: f64 = 0.25;
 /// How much the radius counts while a pose is searched, against 1 in its refinement.
 const SEARCH_RADIUS: f64 = 0.5;
-/// Starts that are refined, and optima that are refined by names.
+/// Starts that are refined, and optima that are refined by names, the frames together: none that fits a node so much worse than the best.
 const REFINED: usize = 16;
 const NAMED: usize = 5;
+const WORSE: f64 = 1.0;
 /// Optima that are refined again when false pieces are known.
 const AGAIN: usize = 2;
 /// Widths (mm) at which a pose is refined by names.
@@ -63,8 +64,9 @@ pub struct Scored {
 }
 
 impl Search<'_> {
-    /// The best poses by each node by itself, the best first.
-    fn starts(&self) -> Vec<Pose> {
+    /// The best poses by each node by itself, the best first, each with its mean log likelihood of a node; of whole brains without a scale,
+    /// which what is no part of the circle would draw to the least there is.
+    fn starts(&self, scales: bool) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
         let coarse: Vec<AtlasState> =
@@ -104,13 +106,13 @@ impl Search<'_> {
             let mut pose = start.pose;
             for (places, pulls) in &widths[..5] {
                 let (names, _) = single.probabilities(&pose, places);
-                pose = self.step(&subset, &pose, pulls, &names, true);
+                pose = self.step(&subset, &pose, pulls, &names, scales);
             }
             let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
             (Scored { pose, score: fit + 3.0 * pose.log_scale }, ())
         };
         let refined = distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
-        refined.into_iter().map(|(scored, ())| scored.pose).collect()
+        refined.into_iter().map(|(scored, ())| scored).collect()
     }
 
     /// The best poses around the first few that are nearly right, the best first.
@@ -260,23 +262,33 @@ impl Search<'_> {
         Pose { turn: product(&turn, &pose.turn), shift, log_scale }
     }
 
-    /// Nodes at equal distances along all that counts.
+    /// Nodes at equal distances along all that counts, from place to place.
     fn subset(&self) -> Vec<usize> {
-        let n = self.nodes.len();
-        if n <= SEARCH_NODES {
-            return (0..n).collect();
+        let order = by_place(&self.nodes.at);
+        if order.len() <= SEARCH_NODES {
+            return order;
         }
-        let total: f64 = (0..n).map(|node| self.length(node)).sum();
-        let (mut sum, mut next, mut subset) = (0.0, 0.5, Vec::with_capacity(SEARCH_NODES));
-        for node in 0..n {
-            sum += self.length(node);
-            if sum / total * SEARCH_NODES as f64 >= next {
-                subset.push(node);
-                next = (sum / total * SEARCH_NODES as f64 - 0.5).floor() + 1.5;
-            }
-        }
-        subset
+        let apart = order.iter().map(|node| self.length(*node)).sum::<f64>() / SEARCH_NODES as f64;
+        let mut sum = 0.0;
+        let is_next = |node: &usize| {
+            let before = (sum / apart).round();
+            sum += self.length(*node);
+            (sum / apart).round() > before
+        };
+        order.into_iter().filter(is_next).collect()
     }
+}
+
+/// The rows of some positions (mm) along a curve that fills space, whatever their order in the file: cells of 1/4 mm by the bits of their
+/// coordinates in turn.
+fn by_place(at: &[Point]) -> Vec<usize> {
+    let curve = |row: &usize| {
+        let cell = at[*row].map(|x| (4.0 * x + 32768.0) as u16);
+        (0..48).rev().fold(0_u64, |key, bit| key << 1 | u64::from(cell[bit % 3] >> (bit / 3) & 1))
+    };
+    let mut rows: Vec<usize> = (0..at.len()).collect();
+    rows.sort_by_cached_key(curve);
+    rows
 }
 
 /// The best of some poses, each with what else is known, that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
@@ -346,8 +358,9 @@ const SEARCHED: f64 = 0.55;
 const LEAST_SEARCHED: f64 = 8.0;
 /// Poses that are refined on what lies on the atlas there.
 const SETTLED: usize = 3;
-/// Widths (mm) at which they are, with what lies on the atlas taken anew.
-const SETTLED_WIDTHS: [[f64; 4]; 3] = [[3.0, 2.0, 1.0, 0.0], [0.0; 4], [0.0; 4]];
+/// Widths (mm) at which they are; the best one so often again, with what lies on the atlas taken anew.
+const SETTLED_WIDTHS: [f64; 4] = [3.0, 2.0, 1.0, 0.0];
+const SETTLED_AGAIN: usize = 2;
 /// What lies within so many standard deviations of a state is named, in pieces of at least so much (mm).
 const ON_ATLAS: f64 = 2.5;
 const LEAST_NAMED: f64 = 6.0;
@@ -377,14 +390,47 @@ pub fn core_at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
     (!named.is_empty()).then_some((named, Some(median)))
 }
 
-/// The core of a network and its poses, the best first.
-pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
-    if nodes.length() <= WHOLE_BRAIN {
-        let median = nodes.median_log_radius(|_| 1.0);
-        let poses = with_search(&nodes, atlas, median, |search| search.refine(&search.starts(), &[2.0, 1.0]));
-        return (!poses.is_empty()).then_some(((nodes, None), poses));
+/// The cores of the nodes of a network in some frames, and the poses of each, the best first. Of a whole brain there is one.
+pub fn find_cores<F: Copy>(frames: Vec<(F, Nodes)>, atlas: &Atlas) -> Vec<(F, Core, Vec<Scored>)> {
+    if frames.first().is_some_and(|(_, nodes)| nodes.length() > WHOLE_BRAIN) {
+        return find_in_brain(&frames, atlas).into_iter().collect();
     }
-    let radius = branch_radii(&nodes);
+    let median = |nodes: &Nodes| nodes.median_log_radius(|_| 1.0);
+    let start =
+        |(frame, nodes): (F, Nodes)| (with_search(&nodes, atlas, median(&nodes), |search| search.starts(true)), frame, nodes);
+    let started: Vec<(Vec<Scored>, F, Nodes)> = frames.into_iter().map(start).collect();
+    let best = started.iter().flat_map(|(starts, ..)| starts).map(|start| start.score).fold(f64::NEG_INFINITY, f64::max);
+    let refined = started.into_iter().filter_map(|(starts, frame, nodes)| {
+        let near: Vec<Pose> = starts.iter().filter(|start| start.score > best - WORSE).map(|start| start.pose).collect();
+        let poses = with_search(&nodes, atlas, median(&nodes), |search| search.refine(&near, &[2.0, 1.0]));
+        (!poses.is_empty()).then_some((frame, (nodes, None), poses))
+    });
+    refined.collect()
+}
+
+/// The core of a whole brain and its pose, in the frame where most of the atlas is seen.
+fn find_in_brain<F: Copy>(frames: &[(F, Nodes)], atlas: &Atlas) -> Option<(F, Core, Vec<Scored>)> {
+    let of_frame = |(frame, (_, nodes)): (usize, &(F, Nodes))| {
+        brain_starts(nodes, atlas).into_iter().map(move |(start, median)| (start, frame, median))
+    };
+    let mut started: Vec<(Scored, usize, f64)> = frames.iter().enumerate().flat_map(of_frame).collect();
+    started.sort_by(|(a, ..), (b, ..)| b.score.total_cmp(&a.score));
+    let settle = |(start, frame, median): (Scored, usize, f64)| {
+        Some((settled(&frames[frame].1, atlas, start.pose, median, &SETTLED_WIDTHS)?, frame, median))
+    };
+    let first = started.into_iter().take(SETTLED).filter_map(settle);
+    let (mut found, frame, median) = first.reduce(|best, next| if next.0.0.score > best.0.0.score { next } else { best })?;
+    let (frame, nodes) = &frames[frame];
+    for _ in 0..SETTLED_AGAIN {
+        found = settled(nodes, atlas, found.0.pose, median, &[0.0; 4])?;
+    }
+    let (scored, named) = found;
+    Some((*frame, (named, Some(median)), vec![scored]))
+}
+
+/// The poses of a whole brain that show most of the atlas, each with the median log radius of what it was found by.
+fn brain_starts(nodes: &Nodes, atlas: &Atlas) -> Vec<(Scored, f64)> {
+    let radius = branch_radii(nodes);
     let length_below = |counts: &dyn Fn(usize) -> bool, share: f64| {
         let those = (0..nodes.len()).filter(|n| counts(*n)).map(|n| (radius[n], nodes.weight[n]));
         weighted_quantiles(those, [share])[0].unwrap_or(f64::INFINITY)
@@ -392,28 +438,19 @@ pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let thick = length_below(&|_| true, THICK);
     let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
     let mut poses: Vec<(Scored, f64)> = Vec::new();
-    for place in densest(&nodes, &of_thick) {
+    for place in densest(nodes, &of_thick) {
         let near = |n: usize| distance(nodes.at[n], place) < REACH;
         let least = length_below(&near, SEARCHED);
         let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
         if !searched.is_empty() {
             let median = searched.median_log_radius(|_| 1.0);
-            let starts = with_search(&searched, atlas, median, |search| search.starts().into_iter());
-            poses.extend(starts.filter_map(|pose| Some((settled(&nodes, atlas, pose, median, &[])?.0, median))));
+            let starts = with_search(&searched, atlas, median, |search| search.starts(false).into_iter());
+            poses.extend(starts.filter_map(|start| Some((settled(nodes, atlas, start.pose, median, &[])?.0, median))));
         }
     }
-    let (first, _) = poses.iter().max_by(|(a, _), (b, _)| a.score.total_cmp(&b.score))?;
+    let Some((first, _)) = poses.iter().max_by(|(a, _), (b, _)| a.score.total_cmp(&b.score)) else { return poses };
     let centre = first.pose.undo(atlas.data.centroid);
-    let again = |(mut scored, median): (Scored, f64)| {
-        let mut named = Nodes::default();
-        for widths in SETTLED_WIDTHS {
-            (scored, named) = settled(&nodes, atlas, scored.pose, median, &widths)?;
-        }
-        Some((scored, (named, Some(median))))
-    };
-    let best = distinct(poses, centre, 0.15, 4.0, SETTLED).into_iter().filter_map(again);
-    let (scored, core) = best.reduce(|best, next| if next.0.score > best.0.score { next } else { best })?;
-    Some((core, vec![scored]))
+    distinct(poses, centre, 0.15, 4.0, SETTLED)
 }
 
 /// A pose of a whole brain refined at some widths by the names of what lies on the atlas there, and what that is; `None` where nothing does.
@@ -435,8 +472,9 @@ fn settled(nodes: &Nodes, atlas: &Atlas, mut pose: Pose, median: f64, widths: &[
 
 /// Where most of some nodes lie together, the most first.
 fn densest(nodes: &Nodes, of: &[usize]) -> Vec<Point> {
+    let at: Vec<Point> = of.iter().map(|n| nodes.at[*n]).collect();
     let around = |x: Point| -> f64 { of.iter().filter(|n| distance(x, nodes.at[**n]) < DENSE).map(|n| nodes.weight[*n]).sum() };
-    let asked = of.iter().step_by(of.len().div_ceil(ASKED).max(1)).map(|n| nodes.at[*n]);
+    let asked = by_place(&at).into_iter().step_by(of.len().div_ceil(ASKED).max(1)).map(|row| at[row]);
     let mut asked: Vec<(f64, Point)> = asked.map(|x| (around(x), x)).collect();
     asked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut places: Vec<Point> = Vec::new();
