@@ -27,7 +27,7 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use crate::circle_of_willis::RING;
-use atlas::{ArteryLabel, Atlas, LABELS, OTHER, STATES, label_of, most_probable, states_of};
+use atlas::{ArteryLabel, Atlas, LABELS, NOWHERE, OTHER, STATES, label_of, most_probable, states_of};
 use belief::Beliefs;
 use emission::{Pose, Search};
 use nodes::is_traced;
@@ -147,7 +147,20 @@ fn names_at(
     let mut median = median_of_all.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
     let mut used = nodes.spanning_bridges(|_| true);
     let first = pass(&Search::new(&nodes, atlas, &one, &used, median), &pose);
-    let doubt: Vec<f64> = first.features.iter().map(|x| model.is_false(x, None)).collect();
+    // Which pieces are false was learned where all that is traced is a circle; of a whole brain it would take away a quarter of its names,
+    // which are right as often as the others are.
+    let is_part = median_of_all.is_some();
+    let nowhere = |pass: &NamingPass| {
+        let each = pass.beliefs.states.chunks(STATES).zip(&nodes.piece).zip(&nodes.weight);
+        let (mut sum, mut length) = (vec![0.0; nodes.pieces], vec![f64::MIN_POSITIVE; nodes.pieces]);
+        for ((states, piece), weight) in each {
+            sum[*piece] += weight * states[NOWHERE];
+            length[*piece] += weight;
+        }
+        sum.iter().zip(&length).map(|(sum, length)| sum / length).collect()
+    };
+    let doubt: Vec<f64> =
+        if is_part { nowhere(&first) } else { first.features.iter().map(|x| model.is_false(x, None)).collect() };
 
     let mut weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
@@ -166,15 +179,20 @@ fn names_at(
         (pose, fit) = (found.pose, found.score);
     }
     let second = pass(&case, &pose);
-    let false_pieces: Vec<f64> =
-        second.features.iter().zip(&doubt).map(|(x, before)| model.is_false(x, Some((before + 1e-3).ln()))).collect();
+    let again = |(x, before): (_, &f64)| model.is_false(x, Some((before + 1e-3).ln()));
+    let false_pieces: Vec<f64> = if is_part { nowhere(&second) } else { second.features.iter().zip(&doubt).map(again).collect() };
 
-    let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
+    let states = &second.beliefs.states;
+    let labels = if is_part {
+        states.chunks(STATES).map(|states| label_probabilities(states, atlas)).collect()
+    } else {
+        labels_of(&nodes, states, &false_pieces, atlas)
+    };
     let bridge_factor = belief::factors(&nodes, atlas, &second.beliefs, &false_pieces);
     let evidence = evidence(&case, &second);
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     Some(Names {
-        is_part: median_of_all.is_some(),
+        is_part,
         states: second.beliefs.states,
         frame_was_found: !network.frame.is_known(),
         piece_features: [first.features, second.features],
