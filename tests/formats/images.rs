@@ -7,7 +7,7 @@ use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
 use willis::internals::formats::{Content, Document, NamedArray, ReadOptions, write_arrays};
 use willis::internals::network::centerlines::Centerlines;
-use willis::{LengthUnit, Scale};
+use willis::{Frame, LengthUnit, Scale};
 
 /// A bar of 9 voxels along the first axis, at 2 along the second and 3 along the third.
 const SHAPE: [usize; 3] = [12, 5, 6];
@@ -277,6 +277,23 @@ fn a_numpy_mask_has_x_first_and_the_spacing_that_is_stated() {
     let said =
         read_first(&[("a.npz", &npz)], &ReadOptions { scale: other, ..ReadOptions::default() }).map(|_| ()).expect_err("two");
     assert_eq!(said, "a.npz: states voxels of 0.5 x 0.5 x 0.75 mm; expected no other `spacing`");
+}
+
+/// A bar four voxels wide and high has no middle voxel: thinning takes the same side of the patient, whichever way axes run.
+#[test]
+fn an_array_whose_frame_is_stated_is_thinned_as_one_in_the_scanner_s_order() {
+    let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5; 3]) };
+    let is_inside = |x: usize, y: usize, z: usize| (2..6).contains(&x) && (3..7).contains(&y) && (2..30).contains(&z);
+    let at = |frame: Frame| {
+        let turned = |x: usize, most: usize| if frame == Frame::Lps { most - x } else { x };
+        let voxels: Vec<u8> =
+            (0..9 * 10 * 32).map(|n| u8::from(is_inside(turned(n % 9, 8), turned(n / 9 % 10, 9), n / 90))).collect();
+        let options = ReadOptions { scale, frame: Some(frame), ..ReadOptions::default() };
+        ends(read_first(&[("a.npy", &npy("|u1", true, "(9, 10, 32)", &voxels))], &options).expect("read"))
+    };
+    let mut lps = at(Frame::Lps).map(|[x, y, z]| [4.0 - x, 4.5 - y, z]);
+    lps.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
+    assert_eq!(lps, at(Frame::Ras));
 }
 
 #[test]

@@ -213,7 +213,8 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
         (Frame::Ras | Frame::Lps, _) => "in the scanner's frame (RAS: right, anterior, superior)",
     };
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
-    let mut mask = mask.in_scanner_order();
+    let stated = if mask.frame.is_known() { mask.frame } else { options.frame.unwrap_or_default() };
+    let mut mask = Mask { frame: stated, ..mask }.in_scanner_order();
     let cleans = options.cavities == Cavities::Fill;
     let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities=keep` goes on with any");
     if let Some(why) = why_no_vessels(&mask).filter(|_| cleans) {

@@ -15,7 +15,7 @@ pub struct Mask {
     pub affine: Affine,
     /// The voxels that lie inside vessels in part, where that is known.
     pub walls: Option<super::partial::Walls>,
-    /// The scanner's frame, RAS, unless nobody states which way the axes point.
+    /// The frame of positions: the scanner's, RAS, unless the file states none.
     pub frame: Frame,
     /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
     pub reversed: bool,
@@ -62,7 +62,8 @@ impl Mask {
         // The new axes 0, 1, 2 are the scanner's z, y, x: the last one varies slowest, as in the arrays that nibabel makes.
         let by_direction = axes_by_direction(&self.affine);
         let source = [2, 1, 0].map(|direction| by_direction[direction]);
-        let flipped = [0, 1, 2].map(|axis| self.affine[2 - axis][source[axis]] < 0.0);
+        let towards = self.frame.turn(Frame::Ras, [1.0; 3]);
+        let flipped = [0, 1, 2].map(|axis| self.affine[2 - axis][source[axis]] * towards[2 - axis] < 0.0);
         if source == [0, 1, 2] && flipped == [false; 3] {
             return self;
         }
