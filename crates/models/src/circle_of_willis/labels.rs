@@ -126,12 +126,13 @@ impl LabelScheme {
     }
 }
 
-/// Whether the classes of a mask are those of TopCoW: nothing else, and both carotid and both middle cerebral arteries among them. iCafe,
-/// which has the same numbers, has no masks.
+/// Whether the classes of a mask are those of TopCoW: nothing else, and both carotid arteries and a middle cerebral one among them; a
+/// patient may lack the other. iCafe, which has the same numbers, has no masks.
 pub fn are_topcow_classes<'a>(labels: impl IntoIterator<Item = &'a str>) -> bool {
     let codes: BTreeSet<&str> = labels.into_iter().map(str::trim).filter(|label| !names_no_artery(label)).collect();
     codes.iter().all(|code| code.parse::<u32>().is_ok() && artery_of_label(code, LabelScheme::TopCow).is_some())
-        && ["4", "5", "6", "7"].iter().all(|code| codes.contains(code))
+        && ["4", "6"].iter().all(|code| codes.contains(code))
+        && ["5", "7"].iter().any(|code| codes.contains(code))
 }
 
 /// Whether a label is empty or 0.
