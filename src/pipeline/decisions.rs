@@ -55,7 +55,7 @@ impl DecisionList {
         for decision in listed.connections {
             let places = decision.places.filter(|_| decision.input.is_empty() || decision.input == input_sha256);
             let row = check(&decision, graph, input_sha256).map(|()| decision.made.edge);
-            let row = row.or_else(|fault| places.and_then(|at| moved(graph, at)).ok_or(fault));
+            let row = row.or_else(|fault| places.and_then(|at| moved(graph, at, &decision.ids)).ok_or(fault));
             let edge = row.map_err(|fault| fault.in_file(&source.path))?;
             if !decided.insert(edge) {
                 let found = format!("edge {edge} comes again, by its places");
@@ -67,13 +67,24 @@ impl DecisionList {
     }
 }
 
-/// The row of the candidate or contact whose nodes are nearest to these places (mm), in either order; `None` where one is too far.
-fn moved(graph: &Network, places: [[f64; 3]; 2]) -> Option<usize> {
+/// The row of the candidate or contact whose nodes are nearest to these places (mm), in either order, one between nodes of these ids before
+/// others; `None` where each is too far, or several are as near, as the contacts of one junction are.
+fn moved(graph: &Network, places: [[f64; 3]; 2], [id_a, id_b]: &[String; 2]) -> Option<usize> {
     let away = |node, place: [f64; 3]| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at.map(millimetres), place));
     let worst = |[a, b]: [usize; 2]| away(a, places[0]).max(away(b, places[1])).min(away(b, places[0]).max(away(a, places[1])));
+    let is_named = |ends: [usize; 2]| {
+        let ids = ends.map(|node| &graph.node(node).id);
+        ids == [id_a, id_b] || ids == [id_b, id_a]
+    };
     let open = graph.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin != Origin::Observed);
-    let near = open.map(|(row, (ends, _))| (worst(ends), row)).filter(|(away, _)| *away <= MOVED);
-    near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, row)| row)
+    let mut near: Vec<_> =
+        open.map(|(row, (ends, _))| (!is_named(ends), worst(ends), row)).filter(|(_, away, _)| *away <= MOVED).collect();
+    near.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    match near[..] {
+        [] => None,
+        [first, second, ..] if (first.0, first.1) == (second.0, second.1) => None,
+        [(_, _, row), ..] => Some(row),
+    }
 }
 
 /// Refuses a decision on another graph than this.

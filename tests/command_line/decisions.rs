@@ -308,6 +308,31 @@ fn answer(folder: &Path) -> Vec<Vec<u8>> {
     ["edges.csv", "nodes.csv", "topology.graphml"].map(|name| fs::read(folder.join(name)).expect(name)).to_vec()
 }
 
+/// The contacts of a junction lie in one place, where their nodes tell them apart.
+#[test]
+fn a_contact_whose_row_moved_is_found_by_its_nodes_and_never_another_one() {
+    let here = folder();
+    let here = here.path();
+    let nodes = "node,x_mm,y_mm,z_mm\na,0,0,0\nb,20,0,0\nc,10,10,0\nj,10,0,0\nk,10,0,0\nl,10,0,0\n";
+    let observed = "a,j,observed,10,1\nk,b,observed,10,1\nl,c,observed,10,1\n";
+    let contacts = "j,k,contact,1,1\nj,l,contact,1,1\nk,l,contact,1,1\n";
+    fs::write(here.join("g.nodes.csv"), nodes).expect("written");
+    fs::write(here.join("g.csv"), format!("node_a,node_b,origin,length_mm,radius_mm\n{observed}{contacts}")).expect("written");
+    let with = |ids: &str| {
+        let list = format!("edge,id_a,id_b,decision,places\n999,{ids},reject,10 0 0 + 10 0 0\n");
+        fs::write(here.join("decisions.csv"), list).expect("written");
+        willis(here, &["infer", "g.csv", "-o", "out", "-n", "128", "--keep", "median", "--force", "--decisions", "decisions.csv"])
+    };
+    for (row, ids) in [(3, "j,k"), (5, "k,l"), (4, "l,j")] {
+        let done = with(ids);
+        assert!(done.status.success(), "{ids}: {}", stderr(&done));
+        let rejected = table(&here.join("out/edges.csv")).iter().map(|row| row["prior"] == "0").collect::<Vec<_>>();
+        assert_eq!(rejected, (0..6).map(|other| other == row).collect::<Vec<_>>(), "{ids}");
+    }
+    let done = with("x,y");
+    assert!(done.status.code() == Some(2) && stderr(&done).contains("edge 999 (x to y)"), "{}", stderr(&done));
+}
+
 #[test]
 fn edits_are_made_kept_and_replayed_to_the_same_bytes() {
     let here = folder();
