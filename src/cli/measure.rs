@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, collections::BTreeSet, path::Path, path::PathBu
 use serde_json::{Value, json};
 
 use super::args::{boundary_for, file_of, length, whole};
-use super::cohort::{failed, make_each};
+use super::cohort::{check_files, failed, make_each};
 use super::print::{TextTerminal, plural};
 use super::subjects::{Inputs, Subject, check_output, expand, name_of, rows_of_participants};
 use super::{
@@ -79,11 +79,9 @@ impl MeasureArgs {
         self.runs.reading.shared()?;
         let named = [&self.brain, &self.boundary.conditions, &self.participants];
         named.into_iter().flatten().try_for_each(|file| check_name(file))?;
-        let subjects = match expand(&self.runs.inputs, true)? {
-            Inputs::Many(subjects) => subjects,
-            Inputs::One(input) => {
-                vec![Subject { name: name_of(&input), input, parts: parts_at_work(), row: None }]
-            }
+        let (subjects, were_found) = match expand(&self.runs.inputs, true)? {
+            Inputs::Many(subjects) => (subjects, true),
+            Inputs::One(input) => (vec![Subject { name: name_of(&input), input, parts: parts_at_work(), row: None }], false),
         };
         check_output(&self.output, force, subjects.iter().map(|subject| &*subject.input))?;
         if let Some(subject) = subjects.iter().find(|subject| !subject.own().is_empty()) {
@@ -95,12 +93,20 @@ impl MeasureArgs {
         require(matches!(given.len(), 0 | 2), "reader", given.join(", "), accepted)?;
         let known = self.covariates(&subjects)?;
         let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
+        let measure = |subject: &Subject, terminal: TextTerminal| {
+            let path = &subject.input;
+            let named = [&self.brain, &self.boundary.conditions].into_iter().flatten().chain(&self.reader);
+            if were_found {
+                check_files(subject, named.map(|name| file_of(name, path)).chain(self.runs.reading.loops(path)).collect())?;
+            }
+            self.measure(subject, terminal)
+        };
         let measured = if let [subject] = &*subjects {
-            vec![Ok(self.measure(subject, terminal)?)]
+            vec![Ok(measure(subject, terminal)?)]
         } else {
             listen(2);
             let done = vec![false; subjects.len()];
-            let make = |at: usize| self.measure(&subjects[at], terminal.of_many());
+            let make = |at: usize| measure(&subjects[at], terminal.of_many());
             let made = make_each(&subjects, &done, ["measured", "subject"], None, make, terminal)?;
             made.into_iter().flatten().collect()
         };

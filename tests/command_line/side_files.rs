@@ -102,6 +102,11 @@ fn what_a_pattern_finds_and_nobody_can_read_is_a_row() {
         assert_eq!(table.lines().count(), 4, "{table}");
         assert!(table.contains("a link to nowhere, which is not there") && table.contains("a pipe"), "{table}");
     }
+    let (status, said) = run(here.path(), &["measure", "scans/*/*.swc", "-o", "measured"]);
+    assert_eq!(status, Some(1), "{said}");
+    let table = fs::read_to_string(here.path().join("measured/subjects.csv")).expect("a table");
+    assert!(table.contains("a link to nowhere, which is not there") && table.contains("a pipe"), "{table}");
+    refused(here.path(), &["measure", "scans/c/*.swc", "-o", "alone"], &["lines.swc", "a pipe", "expected a regular file"]);
 }
 
 #[test]
