@@ -310,7 +310,7 @@ fn any_delimiter_mark_and_line_end_is_taken() {
     let read = |edges: &[u8], nodes: &[u8]| network_of(read_first(&[("edges.csv", edges), ("nodes.csv", nodes)], &mm()).unwrap());
     let plain = read(edges.as_bytes(), nodes.as_bytes());
     assert_eq!(sizes(&plain), [([0, 1], "M1".to_owned(), 5.0, 1.0)]);
-    let variants: [fn(&str) -> String; 7] = [
+    let variants: [fn(&str) -> String; 9] = [
         |t| t.replace(',', ";"),
         |t| t.replace(',', "\t"),
         |t| format!("\u{feff}{t}"),
@@ -318,6 +318,8 @@ fn any_delimiter_mark_and_line_end_is_taken() {
         |t| t.replacen('\n', "\r\n", 2),
         |t| format!("# made by hand\n\n{t}"),
         |t| t.trim_end().replace(',', " , "),
+        |t| t.replace('\n', "\r"),
+        |t| format!("# one; two; three; four\n\n{t}").replace('\n', "\r"),
     ];
     for variant in variants {
         assert_eq!(sizes(&read(variant(edges).as_bytes(), variant(nodes).as_bytes())), sizes(&plain), "{}", variant(edges));

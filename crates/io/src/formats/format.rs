@@ -268,7 +268,7 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
         None => {}
     }
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
-    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let mut lines = head.split(['\r', '\n']).map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let first = lines.next().unwrap_or_default();
     let is_point = || first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok());
     let found = match unpacked_name(path).extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {

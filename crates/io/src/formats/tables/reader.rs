@@ -53,7 +53,8 @@ pub(crate) fn columns(header: &[String]) -> String {
 /// The table with comment lines (`#`) emptied, so that every line keeps its number.
 pub(crate) fn uncommented(bytes: &[u8]) -> Vec<u8> {
     let is_comment = |line: &[u8]| line.trim_ascii_start().starts_with(b"#");
-    bytes.split_inclusive(|b| *b == b'\n').flat_map(|line| if is_comment(line) { b"\n" } else { line }).copied().collect()
+    let emptied = |line| if is_comment(line) { &line[line.trim_ascii_end().len()..] } else { line };
+    bytes.split_inclusive(|b| matches!(b, b'\r' | b'\n')).flat_map(emptied).copied().collect()
 }
 
 impl<'a> TableReader<'a> {
@@ -75,13 +76,15 @@ impl<'a> TableReader<'a> {
         refuse_utf16(bytes)?;
         let (mut rest, mut line) = (without_mark(bytes), 1);
         let first = loop {
-            let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+            // Old programs end a line with a carriage return alone.
+            let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n')).unwrap_or(rest.len());
             let text = rest[..end].trim_ascii();
             if !text.is_empty() && !text.starts_with(b"#") {
                 break text;
             }
             ensure(end < rest.len(), || Fault::file("the table is empty", "expected a header and rows"))?;
-            (rest, line) = (&rest[end + 1..], line + 1);
+            let ending = if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+            (rest, line) = (&rest[end + ending..], line + 1);
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).flexible(ragged).trim(csv::Trim::All).from_reader(rest);
