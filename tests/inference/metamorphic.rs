@@ -202,18 +202,18 @@ fn shuffled(lines: &[Line], seed: u64) -> Vec<Line> {
     order.iter().map(|row| Line { number: new[&lines[*row].number], parent: parent(&lines[*row]), ..lines[*row] }).collect()
 }
 
-/// With an isolated fragment of three points a metre and five times as far away as anything, 5 mm thick.
-fn with_far_fragment(lines: &[Line]) -> Vec<Line> {
+/// With an isolated fragment of three points a metre and five times as far away as anything, 5 mm thick, and another one as far as 1,000 km.
+fn with_far_fragments(lines: &[Line]) -> Vec<Line> {
     let far = 1000.0 + 5.0 * lines.iter().flat_map(|line| line.at).fold(0.0, |most: f64, x| most.max(x.abs()));
     let first = lines.iter().map(|line| line.number).max().unwrap_or(0) + 1;
     let point = |i: i64| Line {
         number: first + i,
         kind: 0,
-        at: [far + 4.0 * i as f64, 0.9 * far, 0.8 * far],
+        at: [if i < 3 { far } else { 1e9 } + 4.0 * i as f64, 0.9 * far, 0.8 * far],
         radius: 5.0,
-        parent: if i == 0 { -1 } else { first + i - 1 },
+        parent: if i % 3 == 0 { -1 } else { first + i - 1 },
     };
-    lines.iter().copied().chain((0..3).map(point)).collect()
+    lines.iter().copied().chain((0..6).map(point)).collect()
 }
 
 /// Every point twice, one of the two without a child.
@@ -325,7 +325,7 @@ const RELATIONS: [Relation; 14] = [
         same_samples: false,
         promised: [0.0, 0.0],
         keeps_roles: false,
-        answer: |lines, _| plain(&with_far_fragment(lines)),
+        answer: |lines, _| plain(&with_far_fragments(lines)),
     },
     Relation {
         name: "points doubled",

@@ -116,6 +116,8 @@ impl Labels {
 
 /// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
 pub const WELD_TOLERANCE: f64 = 1e-6;
+/// But not farther from one another than this fraction of the usual step from point to point, however far off others lie.
+const WELD_STEP: f64 = 0.01;
 
 impl Centerlines {
     /// Merges coincident points: those of different polylines, the two ends of a closed polyline's only
@@ -125,7 +127,10 @@ impl Centerlines {
     /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
-        let reach = tolerance * box_diagonal(self.points.iter().copied());
+        let mut steps: Vec<f64> = self.links.iter().map(|ends| self.step(*ends)).filter(|step| *step > 0.0).collect();
+        let middle = steps.len() / 2;
+        let usual = if steps.is_empty() { f64::INFINITY } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let reach = (tolerance * box_diagonal(self.points.iter().copied())).min(WELD_STEP * usual);
         let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
         let strands = &self.strand[..if self.states_nodes { 0 } else { n }];
         let mut places = DistinctPositions::of(&self.points, strands);
@@ -141,9 +146,8 @@ impl Centerlines {
             same.union(point, ends(*place));
         }
         for link in &self.links {
-            let (a, b) = (link[0] as usize, link[1] as usize);
-            if distance(self.points[a], self.points[b]) <= reach {
-                same.union(a, b);
+            if self.step(*link) <= reach {
+                same.union(link[0] as usize, link[1] as usize);
             }
         }
         let mut meet = |a: usize, b: usize| {
@@ -164,6 +168,11 @@ impl Centerlines {
         let mut class = same.into_labeling();
         class.truncate(n);
         self.merge(&class)
+    }
+
+    /// How far the two ends of a link lie apart, m.
+    fn step(&self, [a, b]: [u32; 2]) -> f64 {
+        distance(self.points[a as usize], self.points[b as usize])
     }
 
     /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
