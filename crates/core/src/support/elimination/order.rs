@@ -4,9 +4,13 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::graph::{BitMatrix, Lists, Remaining};
+use crate::support::numbered::{marked, placed};
 
 /// Up to so many nodes a matrix of bits is used, which then takes at most 32 MB; larger graphs are lists.
 pub const MOST_IN_BITS: usize = 1 << 14;
+
+/// In lists nodes of at most so many neighbours are eliminated; what is left is mostly so small and dense that bits are faster.
+const FEW: usize = 32;
 
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
 const FILL_NODES: usize = 4096;
@@ -42,10 +46,25 @@ pub fn fewest_joins(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit)
-    } else {
-        by_degree(nodes, &mut Lists::new(nodes, links), usize::MAX, limit)
+        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
     }
+    let (mut stars, lists) = low_degrees(nodes, links, FEW, limit)?;
+    let is_gone = marked(nodes, stars.iter().map(|star| star.center));
+    let left: Vec<usize> = (0..nodes).filter(|node| !is_gone[*node]).collect();
+    let row = placed(nodes, left.iter().copied());
+    // Rows in the order of the nodes, so that ties go to the lower number as before.
+    let links: Vec<[usize; 2]> = left.iter().flat_map(|a| lists[*a].iter().map(|b| [row[*a], row[*b]])).collect();
+    let limit = limit - stars.iter().map(Star::pairs).sum::<usize>();
+    let rest = if left.len() <= MOST_IN_BITS {
+        by_degree(left.len(), &mut BitMatrix::new(left.len(), &links), usize::MAX, limit)
+    } else {
+        by_degree(left.len(), &mut Lists::new(left.len(), &links), usize::MAX, limit)
+    };
+    stars.extend(rest?.into_iter().map(|Star { center, neighbours }| Star {
+        center: left[center],
+        neighbours: neighbours.into_iter().map(|node| left[node]).collect(),
+    }));
+    Some(stars)
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
