@@ -286,8 +286,8 @@ fn pieces_of_two_widths_keep_both() {
         close(vessel.shape.surface, 2.0 * PI * (10.0 * 1.0 + 10.0 * 0.5) * MM.powi(2), 1e-9, "surface");
         close(vessel.shape.radius, 0.75 * MM, 1e-9, "radius");
         close(vessel.shape.least_radius, 0.5 * MM, 1e-9, "least radius");
-        // Radii 1, 3/4 and 1/2 at 0, 10 and 20 mm.
-        close(vessel.shape.taper, 0.025, 1e-9, "taper");
+        // By least squares a step by h in the middle of a length l has the slope 3 h/(2 l).
+        close(vessel.shape.taper, 1.5 * 0.5 / 20.0, 1e-9, "taper");
         close(found.network.whole.volume, vessel.shape.volume, 1e-12, "volume of the whole");
         for end in &found.ends {
             close(end.radius, if end.from_inlet == 0.0 { 1.0 } else { 0.5 } * MM, 1e-9, "an end");
@@ -413,6 +413,12 @@ fn dividing_turning_and_resampling_change_little() {
     same(&one(curve(100, at)), 0.01, "every other point");
     same(&one(curve(700, at)), 0.01, "more points");
     same(&one(curve(200, |t| at(1.0 - t))), 1e-9, "turned");
+    let backward = curve(200, |t| at(1.0 - t));
+    let mut swc = Swc::default();
+    swc.line(backward, None);
+    let unfed = Morphometry::of(&swc.network(), |_| Role::Inner, Smoothing::default(), MeasureContext::default());
+    same(&unfed, 1e-9, "turned, and no inlet");
+    assert!(unfed.vessels[0].shape.taper > 0.0, "from the wider end on");
     // The same points as vessels of a graph, one for every ten of them, every other one turned.
     let points = curve(200, at);
     let mut graph = String::from("node_a,node_b,length_mm,radius_mm,points\n");
@@ -437,6 +443,38 @@ fn dividing_turning_and_resampling_change_little() {
     let divided = willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network;
     assert_eq!(divided.vessel_count(), 20);
     same(&measured(&divided, "0"), 1e-6, "divided");
+}
+
+/// More points on the same broken line, as a tracing in voxels is one, are the same line.
+#[test]
+fn points_between_the_points_of_a_jagged_line_change_little() {
+    // Off a helix by up to 0.3 mm, in a pattern without a period.
+    let off = |i: usize, k: usize| 0.3 * (37.0 * i as f64 + 11.0 * (i * i) as f64 + 2.0 * k as f64).sin();
+    let helix = |t: f64| ([5.0 * (8.0 * t).cos(), 5.0 * (8.0 * t).sin(), 20.0 * t], 1.2 - 0.4 * t);
+    let mut jagged = curve(50, helix);
+    for (i, (point, radius)) in jagged.iter_mut().enumerate() {
+        (0..3).for_each(|k| point[k] += off(i, k));
+        *radius += 0.3 * off(i, 3);
+    }
+    let between = |parts: usize| {
+        let mut points = vec![jagged[0]];
+        for pair in jagged.windows(2) {
+            for part in 1..=parts {
+                let at = |a: f64, b: f64| a + (b - a) * part as f64 / parts as f64;
+                points.push((std::array::from_fn(|k| at(pair[0].0[k], pair[1].0[k])), at(pair[0].1, pair[1].1)));
+            }
+        }
+        one(points).vessels[0].shape
+    };
+    let wanted = between(1);
+    for parts in [2, 3, 10] {
+        let got = between(parts);
+        close(got.curvature, wanted.curvature, 0.01, "curvature");
+        close(got.torsion, wanted.torsion, 0.01, "torsion");
+        close(got.sum_of_angles_metric, wanted.sum_of_angles_metric, 0.01, "sum of angles");
+        close(got.inflection_count_metric, wanted.inflection_count_metric, 0.01, "inflections");
+        close(got.taper, wanted.taper, 0.01, "taper");
+    }
 }
 
 /// The vessel that thinning makes of a tube of this radius (mm) around a curve, in voxels of these sizes (mm).

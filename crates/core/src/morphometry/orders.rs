@@ -11,7 +11,7 @@ const MOST_PASSES: usize = 100;
 /// The vessels of a network and the ways to them from the inlets. Each vessel is reached by the shortest way; one that closes a loop leads
 /// to no other.
 pub struct InletWays {
-    /// The vessels, each from the end that is nearer to an inlet on.
+    /// The vessels, each from the end that is nearer to an inlet on; from the wider one where no inlet leads.
     pub lines: Vec<VesselLine>,
     /// By node, how many lines end there.
     pub degree: Vec<usize>,
@@ -46,7 +46,8 @@ impl InletWays {
         let mut leaving = vec![Vec::new(); nodes];
         for (row, line) in lines.iter_mut().enumerate() {
             let [a, b] = line.ends.map(|node| from_inlet[node]);
-            if b < a {
+            // Where no inlet leads, from the wider end on, however the file draws it.
+            if b < a || a.is_infinite() && line.end_radius(true) > line.end_radius(false) {
                 line.turn();
             }
             if a.is_finite() {

@@ -1,7 +1,7 @@
 //! Vessels between junctions as lines: pieces of a network that meet two by two are one vessel. Lengths, widths and bends of each.
 //!
-//! A course is smoothed before its bends are measured: around each station a polynomial of fourth degree is fitted to the points within
-//! the smoothing length, weighted by the line that each stands for and by (1 - u²)², u the distance in smoothing lengths. So a circle
+//! A course is smoothed before its bends are measured: around each station a polynomial of fourth degree is fitted to the line within
+//! the smoothing length, all of it and not only its points, weighted by (1 - u²)², u the distance in smoothing lengths. So a circle
 //! keeps its curvature, which a running mean would take from it. Definitions: Bullitt et al. 2003, doi:10.1109/TMI.2003.816964.
 
 use std::f64::consts::PI;
@@ -173,6 +173,10 @@ const STRAIGHT: f64 = 0.25;
 const TERMS: usize = 5;
 /// So many points are fitted at least, where there are so many.
 const LEAST_POINTS: usize = 7;
+/// The line is fitted in parts of at most one in so many of the reach.
+const PARTS: f64 = 4.0;
+/// The two places of Gauss on a part: its middle, less and more 1/√12 of it.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 /// A point so near to the one before it, in smoothing lengths, says nothing about the course.
 const SAME_PLACE: f64 = 1e-3;
 
@@ -260,30 +264,20 @@ pub(super) fn cones(line: &VesselLine) -> [f64; 2] {
     sum
 }
 
-/// Minus the slope of the radius along a line by least squares, each point weighted by the line it stands for.
+/// Minus the slope of the radius along a line by least squares, where it is a straight line from point to point.
 fn taper(line: &VesselLine) -> f64 {
-    let halves = halves(&line.at);
-    let weights: Vec<f64> = halves.iter().map(|[before, behind]| before + behind).collect();
-    let mean_radius = |([before, behind], radii): (&[f64; 2], &[f64; 2])| {
-        if radii[0] == radii[1] { radii[0] } else { (before * radii[0] + behind * radii[1]) / (before + behind) }
-    };
-    let radii: Vec<f64> = halves.iter().zip(&line.radii).map(mean_radius).collect();
-    let total: f64 = weights.iter().sum();
-    let mean = |of: &[f64]| of.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / total;
-    let [at, radius] = [mean(&line.at), mean(&radii)];
+    let (radius, middle) = (line.radius(), 0.5 * line.length);
     let (mut both, mut square) = (0.0, 0.0);
-    for ((s, r), w) in line.at.iter().zip(&radii).zip(&weights) {
-        both += w * (s - at) * (r - radius);
-        square += w * (s - at) * (s - at);
+    for Stretch { at, radii } in line.stretches() {
+        let [s, r] = [at.map(|s| s - middle), radii.map(|r| r - radius)];
+        // Simpson's rule is right for products of two straight lines.
+        let integral =
+            |a: [f64; 2], b: [f64; 2]| (at[1] - at[0]) / 6.0 * (a[0] * b[0] + a[1] * b[1] + (a[0] + a[1]) * (b[0] + b[1]));
+        both += integral(s, r);
+        square += integral(s, s);
     }
     // Of no taper the sign is none.
     (0.0 - both) / square
-}
-
-/// The length of line that each point stands for: half of the step before it, and half of the one behind it.
-fn halves(at: &[f64]) -> Vec<[f64; 2]> {
-    let step = |i: usize| if i + 1 < at.len() { 0.5 * (at[i + 1] - at[i]) } else { 0.0 };
-    (0..at.len()).map(|i| [if i > 0 { step(i - 1) } else { 0.0 }, step(i)]).collect()
 }
 
 /// How a smoothed course bends: means of the curvature, of the size of the torsion, and of the angles metric; and the number of inflections.
@@ -295,12 +289,11 @@ fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
     }
     let at = arc_lengths(points.iter().copied());
     let length = at[at.len() - 1];
-    let weights: Vec<f64> = halves(&at).iter().map(|[before, behind]| before + behind).collect();
     let stations = ((STATIONS * length / within).ceil() as usize).clamp(2, STATIONS as usize * points.len() + 2);
     let (mut sums, mut inflections, mut normal) = ([0.0; 3], 0, None::<Point>);
     for station in 0..stations {
         let middle = length * (station as f64 + 0.5) / stations as f64;
-        let [velocity, second, third] = derivatives([&at, &weights], &points, middle, within);
+        let [velocity, second, third] = derivatives(&at, &points, middle, within);
         let turning = cross(velocity, second);
         let speed = norm(velocity);
         let curvature = norm(turning) / speed.powi(3);
@@ -320,7 +313,7 @@ fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
 }
 
 /// The first three derivatives of the smoothed course at a length along it, by that length.
-fn derivatives([lengths, weights]: [&[f64]; 2], points: &[Point], at: f64, within: f64) -> [Point; 3] {
+fn derivatives(lengths: &[f64], points: &[Point], at: f64, within: f64) -> [Point; 3] {
     let last = lengths.len() - 1;
     let (mut low, mut high) = (lengths.partition_point(|s| *s < at - within), lengths.partition_point(|s| *s <= at + within));
     // The nearest others, where too few points are within reach.
@@ -331,14 +324,22 @@ fn derivatives([lengths, weights]: [&[f64]; 2], points: &[Point], at: f64, withi
     }
     let reach = within.max(1.000_001 * (at - lengths[low]).max(lengths[high - 1] - at));
     let terms = TERMS.min(high - low);
-    let near = lengths[low..high].iter().zip(&points[low..high]).zip(&weights[low..high]);
-    let rows = near.map(|((at_point, point), share)| {
-        let u = (at_point - at) / reach;
-        let mut powers = [1.0; TERMS];
-        for k in 1..TERMS {
-            powers[k] = powers[k - 1] * u;
-        }
-        (share * (1.0 - u * u).max(1e-3).powi(2), powers, sub(*point, points[low]))
+    // Each step from point to point, as far as it lies within reach, in parts that are short beside it; of each part the two places of Gauss.
+    let rows = (low.max(1) - 1..high.min(last)).flat_map(|i| {
+        let step = lengths[i + 1] - lengths[i];
+        let [from, to] = [lengths[i].max(at - reach), lengths[i + 1].min(at + reach)];
+        let parts = (PARTS * (to - from) / reach).ceil().max(1.0);
+        let part = (to - from) / parts;
+        let places = (0..2 * parts as usize).map(move |k| from + part * ((k / 2) as f64 + GAUSS[k % 2]));
+        places.map(move |s| {
+            let u = (s - at) / reach;
+            let mut powers = [1.0; TERMS];
+            for k in 1..TERMS {
+                powers[k] = powers[k - 1] * u;
+            }
+            let place = lerp(points[i], points[i + 1], (s - lengths[i]) / step);
+            (part * (1.0 - u * u).powi(2), powers, sub(place, points[low]))
+        })
     });
     let (normal, moments) = normal_equations(rows);
     let solved = solve(normal, moments, terms);
