@@ -64,10 +64,11 @@ pub struct Scored {
 }
 
 impl Search<'_> {
-    /// The best poses by each node by itself, the best first, each with its mean log likelihood of a node; of whole brains without a scale,
-    /// which what is no part of the circle would draw to the least there is.
-    fn starts(&self, scales: bool) -> Vec<Scored> {
-        let (subset, all) = (self.subset(), all_states());
+    /// The best poses by each node by itself, the best first, each with its mean log likelihood of a node. What is no part of the circle is most
+    /// of a whole brain: it would draw the scale to the least there is, and another order of the nodes would give other optima.
+    fn starts(&self, is_brain: bool) -> Vec<Scored> {
+        let order = if is_brain { by_place(&self.nodes.at) } else { (0..self.nodes.len()).collect() };
+        let (subset, all) = (self.subset(order), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
         let coarse: Vec<AtlasState> =
             all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
@@ -106,7 +107,7 @@ impl Search<'_> {
             let mut pose = start.pose;
             for (places, pulls) in &widths[..5] {
                 let (names, _) = single.probabilities(&pose, places);
-                pose = self.step(&subset, &pose, pulls, &names, scales);
+                pose = self.step(&subset, &pose, pulls, &names, !is_brain);
             }
             let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
             (Scored { pose, score: fit + 3.0 * pose.log_scale }, ())
@@ -262,9 +263,8 @@ impl Search<'_> {
         Pose { turn: product(&turn, &pose.turn), shift, log_scale }
     }
 
-    /// Nodes at equal distances along all that counts, from place to place.
-    fn subset(&self) -> Vec<usize> {
-        let order = by_place(&self.nodes.at);
+    /// Nodes at equal distances along all that counts, in some order.
+    fn subset(&self, order: Vec<usize>) -> Vec<usize> {
         if order.len() <= SEARCH_NODES {
             return order;
         }
@@ -397,7 +397,7 @@ pub fn find_cores<F: Copy>(frames: Vec<(F, Nodes)>, atlas: &Atlas) -> Vec<(F, Co
     }
     let median = |nodes: &Nodes| nodes.median_log_radius(|_| 1.0);
     let start =
-        |(frame, nodes): (F, Nodes)| (with_search(&nodes, atlas, median(&nodes), |search| search.starts(true)), frame, nodes);
+        |(frame, nodes): (F, Nodes)| (with_search(&nodes, atlas, median(&nodes), |search| search.starts(false)), frame, nodes);
     let started: Vec<(Vec<Scored>, F, Nodes)> = frames.into_iter().map(start).collect();
     let best = started.iter().flat_map(|(starts, ..)| starts).map(|start| start.score).fold(f64::NEG_INFINITY, f64::max);
     let refined = started.into_iter().filter_map(|(starts, frame, nodes)| {
@@ -444,7 +444,7 @@ fn brain_starts(nodes: &Nodes, atlas: &Atlas) -> Vec<(Scored, f64)> {
         let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
         if !searched.is_empty() {
             let median = searched.median_log_radius(|_| 1.0);
-            let starts = with_search(&searched, atlas, median, |search| search.starts(false).into_iter());
+            let starts = with_search(&searched, atlas, median, |search| search.starts(true).into_iter());
             poses.extend(starts.filter_map(|start| Some((settled(nodes, atlas, start.pose, median, &[])?.0, median))));
         }
     }
