@@ -12,7 +12,7 @@ use super::path_places::{PathPlace, divided, length_of};
 use super::walks::{Walk, edges_at, other_end, runs_by_node, vessels_at};
 use super::{Frame, LengthUnit, Network, Node, Origin, PathPoint, Vessel};
 use crate::error::Fault;
-use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, distance};
+use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, distance, statistics::median};
 
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -127,9 +127,8 @@ impl Centerlines {
     /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
-        let mut steps: Vec<f64> = self.links.iter().map(|ends| self.step(*ends)).filter(|step| *step > 0.0).collect();
-        let middle = steps.len() / 2;
-        let usual = if steps.is_empty() { f64::INFINITY } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let steps: Vec<f64> = self.links.iter().map(|ends| self.step(*ends)).filter(|step| *step > 0.0).collect();
+        let usual = median(&steps).unwrap_or(f64::INFINITY);
         let reach = (tolerance * box_diagonal(self.points.iter().copied())).min(WELD_STEP * usual);
         let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
         let strands = &self.strand[..if self.states_nodes { 0 } else { n }];

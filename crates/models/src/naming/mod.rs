@@ -166,7 +166,7 @@ fn names_at(
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
     let is_enough = counted >= LEAST_TRUE;
     if is_enough {
-        if median_of_all.is_none() {
+        if !is_part {
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);

@@ -402,8 +402,11 @@ pub fn find_cores<F: Copy>(frames: Vec<(F, Nodes)>, atlas: &Atlas) -> Vec<(F, Co
     let best = started.iter().flat_map(|(starts, ..)| starts).map(|start| start.score).fold(f64::NEG_INFINITY, f64::max);
     let refined = started.into_iter().filter_map(|(starts, frame, nodes)| {
         let near: Vec<Pose> = starts.iter().filter(|start| start.score > best - WORSE).map(|start| start.pose).collect();
+        if near.is_empty() {
+            return None;
+        }
         let poses = with_search(&nodes, atlas, median(&nodes), |search| search.refine(&near, &[2.0, 1.0]));
-        (!poses.is_empty()).then_some((frame, (nodes, None), poses))
+        Some((frame, (nodes, None), poses))
     });
     refined.collect()
 }
